@@ -1,0 +1,2 @@
+//! mser3d at the command line.
+fn main() {}

@@ -1,0 +1,402 @@
+use crate::{BitGrid, Bits, DisjointSets, Graph, ShapeError};
+
+/// Where the voxels of a grid lie: voxel (i, j, k) has its centre at
+/// `origin + spacing * (i + 1/2, j + 1/2, k + 1/2)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    dims: [usize; 3],
+    origin: [f64; 3],
+    spacing: [f64; 3],
+}
+
+impl Frame {
+    /// `dims` voxels along each axis, the corner of voxel (0, 0, 0) at `origin`, voxels of size `spacing`.
+    ///
+    /// # Errors
+    /// [`ShapeError::BadSpacing`] when a spacing or the origin is not finite, or a spacing not positive.
+    pub fn new(dims: [usize; 3], origin: [f64; 3], spacing: [f64; 3]) -> Result<Self, ShapeError> {
+        let good = spacing.iter().all(|h| h.is_finite() && *h > 0.0) && origin.iter().all(|x| x.is_finite());
+        if !good {
+            return Err(ShapeError::BadSpacing { spacing });
+        }
+        Ok(Self { dims, origin, spacing })
+    }
+
+    /// Voxels along x, y and z.
+    pub fn dims(&self) -> [usize; 3] {
+        self.dims
+    }
+
+    /// The corner of voxel (0, 0, 0).
+    pub fn origin(&self) -> [f64; 3] {
+        self.origin
+    }
+
+    /// Size of a voxel along x, y and z.
+    pub fn spacing(&self) -> [f64; 3] {
+        self.spacing
+    }
+
+    /// Volume of a voxel, in length^3.
+    pub fn voxel_volume(&self) -> f64 {
+        self.spacing[0] * self.spacing[1] * self.spacing[2]
+    }
+
+    /// Centre of a voxel.
+    #[inline]
+    pub fn centre(&self, voxel: [u32; 3]) -> [f64; 3] {
+        std::array::from_fn(|a| self.origin[a] + self.spacing[a] * (f64::from(voxel[a]) + 0.5))
+    }
+
+    /// A point in units of voxels: voxel (i, j, k) spans from (i, j, k) to (i+1, j+1, k+1).
+    #[inline]
+    pub fn locate(&self, point: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|a| (point[a] - self.origin[a]) / self.spacing[a])
+    }
+}
+
+/// Which voxels are neighbours.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Connectivity {
+    /// Voxels that share a face.
+    #[default]
+    Six,
+    /// Voxels that share a face, an edge or a corner.
+    TwentySix,
+}
+
+/// One of each pair of opposite steps to the 20 neighbours that share only an edge or a corner;
+/// each leads to a voxel with a greater number.
+pub const DIAGONALS: [[i32; 3]; 10] = [
+    [1, 1, 0],
+    [-1, 1, 0],
+    [1, 0, 1],
+    [-1, 0, 1],
+    [0, 1, 1],
+    [0, -1, 1],
+    [1, 1, 1],
+    [-1, 1, 1],
+    [1, -1, 1],
+    [-1, -1, 1],
+];
+
+/// A solid as voxels and the links between them.
+///
+/// Occupancy alone glues limbs that come closer than a voxel. So each voxel carries, for +x, +y and
+/// +z, one bit that says whether its neighbour there is *linked*: both are inside, and no surface
+/// parts them. Operators, trees and components read the links, never the occupancy alone.
+///
+/// The occupied voxels are numbered from 0, x fastest, then y, then z.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VoxelGrid {
+    frame: Frame,
+    occupancy: BitGrid,
+    links: [BitGrid; 3],
+    cut_diagonals: Option<Vec<[u32; 2]>>,
+    /// Occupied voxels before each word.
+    rank: Vec<u32>,
+    len: usize,
+}
+
+impl VoxelGrid {
+    /// A grid with the given links: bit v of `links[a]` links voxel v to its neighbour along +a.
+    ///
+    /// # Errors
+    /// [`ShapeError::SizeMismatch`] for sizes that differ, [`ShapeError::DanglingLink`] for a link
+    /// at an empty voxel, [`ShapeError::TooMany`] beyond 2^32 - 2 occupied voxels.
+    pub fn new(frame: Frame, occupancy: BitGrid, links: [BitGrid; 3]) -> Result<Self, ShapeError> {
+        for bits in links.iter().chain([&occupancy]) {
+            if let Some(a) = (0..3).find(|&a| bits.dims()[a] != frame.dims[a]) {
+                let (found, expected) = (bits.dims()[a], frame.dims[a]);
+                return Err(ShapeError::SizeMismatch { what: "voxels along an axis", found, expected });
+            }
+        }
+        for axis in 0..3 {
+            let allowed = inner_neighbours(&occupancy, axis);
+            let stray = links[axis].words().iter().zip(allowed.words()).position(|(l, a)| l & !a != 0);
+            if let Some(word) = stray {
+                let bit = (links[axis].words()[word] & !allowed.words()[word]).trailing_zeros();
+                return Err(ShapeError::DanglingLink { voxel: occupancy.voxel(word, bit), axis });
+            }
+        }
+        Self::unchecked(frame, occupancy, links, None)
+    }
+
+    /// A grid in which all neighbours inside are linked, diagonal ones too: a plain binary mask.
+    ///
+    /// # Errors
+    /// As [`VoxelGrid::new`].
+    pub fn solid(frame: Frame, occupancy: BitGrid) -> Result<Self, ShapeError> {
+        let links = std::array::from_fn(|axis| inner_neighbours(&occupancy, axis));
+        let mut grid = Self::new(frame, occupancy, links)?;
+        grid.cut_diagonals = Some(Vec::new());
+        Ok(grid)
+    }
+
+    /// The same grid with its diagonal links determined: all diagonal neighbours are linked but
+    /// these pairs of voxel numbers, each given with the smaller number first.
+    ///
+    /// # Errors
+    /// [`ShapeError::IndexOutOfRange`] when a pair names a voxel that is not there.
+    pub fn with_cut_diagonals(mut self, mut cut: Vec<[u32; 2]>) -> Result<Self, ShapeError> {
+        for (number, pair) in cut.iter().enumerate() {
+            if let Some(&index) = pair.iter().find(|&&v| v as usize >= self.len) {
+                let vertices = self.len;
+                return Err(ShapeError::IndexOutOfRange { element: "edge", number, index, vertices });
+            }
+        }
+        cut.sort_unstable();
+        cut.dedup();
+        self.cut_diagonals = Some(cut);
+        Ok(self)
+    }
+
+    fn unchecked(
+        frame: Frame,
+        occupancy: BitGrid,
+        links: [BitGrid; 3],
+        cut_diagonals: Option<Vec<[u32; 2]>>,
+    ) -> Result<Self, ShapeError> {
+        let len = occupancy.count_ones();
+        if len >= u32::MAX as usize {
+            let (count, limit) = (len as u128, u128::from(u32::MAX) - 1);
+            return Err(ShapeError::TooMany { what: "occupied voxels", count, limit });
+        }
+        let mut before = 0;
+        let rank = occupancy.words().iter().map(|w| {
+            let here = before;
+            before += w.count_ones();
+            here
+        });
+        let rank = rank.collect();
+        Ok(Self { frame, occupancy, links, cut_diagonals, rank, len })
+    }
+
+    /// Size and place of the grid.
+    pub fn frame(&self) -> &Frame {
+        &self.frame
+    }
+
+    /// Which voxels are inside.
+    pub fn occupancy(&self) -> &BitGrid {
+        &self.occupancy
+    }
+
+    /// Links along +x, +y and +z.
+    pub fn links(&self) -> &[BitGrid; 3] {
+        &self.links
+    }
+
+    /// The pairs of diagonal neighbours that are not linked, ascending; `None` if never determined.
+    pub fn cut_diagonals(&self) -> Option<&[[u32; 2]]> {
+        self.cut_diagonals.as_deref()
+    }
+
+    /// Number of occupied voxels.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether no voxel is occupied.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Volume of the occupied voxels, in length^3.
+    pub fn volume(&self) -> f64 {
+        self.len as f64 * self.frame.voxel_volume()
+    }
+
+    /// The number of an occupied voxel.
+    #[inline]
+    pub fn index(&self, voxel: [u32; 3]) -> Option<u32> {
+        self.occupancy.get(voxel).then(|| self.rank_of(voxel))
+    }
+
+    /// Occupied voxels before this place, which must lie in the box.
+    #[inline]
+    fn rank_of(&self, voxel: [u32; 3]) -> u32 {
+        let (word, bit) = self.occupancy.position(voxel);
+        self.rank[word] + (self.occupancy.words()[word] & ((1 << bit) - 1)).count_ones()
+    }
+
+    /// The occupied voxels in the order of their numbers.
+    pub fn voxels(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
+        self.occupancy.ones()
+    }
+
+    /// The linked pairs of face neighbours along an axis, as voxel numbers, the smaller first,
+    /// in ascending order of the first.
+    pub fn linked_pairs(&self, axis: usize) -> impl Iterator<Item = [u32; 2]> + '_ {
+        let (links, inside) = (&self.links[axis], &self.occupancy);
+        let stride = [0, inside.row_words(), inside.row_words() * inside.dims()[1]][axis];
+        (0..links.words().len()).flat_map(move |word| {
+            Bits(links.words()[word]).map(move |bit| {
+                let before = |w: usize| (inside.words()[w] & ((1 << bit) - 1)).count_ones();
+                let u = self.rank[word] + before(word);
+                let v = if axis == 0 { u + 1 } else { self.rank[word + stride] + before(word + stride) };
+                [u, v]
+            })
+        })
+    }
+
+    /// The graph of linked voxels.
+    ///
+    /// # Errors
+    /// [`ShapeError::DiagonalsUnknown`] when 26 neighbours are asked of a grid without diagonal links.
+    pub fn graph(&self, connectivity: Connectivity) -> Result<Graph, ShapeError> {
+        let mut edges: Vec<[u32; 2]> = (0..3).flat_map(|axis| self.linked_pairs(axis)).collect();
+        if connectivity == Connectivity::TwentySix {
+            let cut = self.cut_diagonals.as_deref().ok_or(ShapeError::DiagonalsUnknown)?;
+            edges.extend(self.diagonal_pairs().filter(|pair| cut.binary_search(pair).is_err()));
+        }
+        Graph::from_edges(self.len, &edges)
+    }
+
+    /// All pairs of diagonal neighbours inside, linked or not, as voxel numbers, the smaller first.
+    pub fn diagonal_pairs(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        self.voxels().enumerate().flat_map(move |(u, voxel)| {
+            DIAGONALS.iter().filter_map(move |step| {
+                // A step below zero wraps to a coordinate outside any box.
+                let other = std::array::from_fn(|a| voxel[a].wrapping_add_signed(step[a]));
+                self.index(other).map(|v| [u as u32, v])
+            })
+        })
+    }
+
+    /// The component of each voxel under face links, and the number of voxels in each, numbered by
+    /// the first voxel.
+    pub fn components(&self) -> crate::Components {
+        let mut sets = DisjointSets::new(self.len);
+        for axis in 0..3 {
+            for [u, v] in self.linked_pairs(axis) {
+                sets.union(u, v);
+            }
+        }
+        let mut number = vec![u32::MAX; self.len];
+        let (mut labels, mut sizes) = (Vec::with_capacity(self.len), Vec::new());
+        for v in 0..self.len as u32 {
+            let root = sets.find(v) as usize;
+            if number[root] == u32::MAX {
+                number[root] = sizes.len() as u32;
+                sizes.push(0);
+            }
+            labels.push(number[root]);
+            sizes[number[root] as usize] += 1;
+        }
+        crate::Components { labels, sizes }
+    }
+
+    /// The grid with only the voxels for which `keep` holds, and the links between them.
+    pub fn restrict(&self, keep: impl Fn(u32) -> bool) -> Self {
+        let mut grid = self.clone();
+        let mut renumber = vec![u32::MAX; self.len];
+        let (mut old, mut new) = (0u32, 0u32);
+        for word in 0..self.rank.len() {
+            let mut kept = 0;
+            for bit in Bits(self.occupancy.words()[word]) {
+                if keep(old) {
+                    kept |= 1 << bit;
+                    renumber[old as usize] = new;
+                    new += 1;
+                }
+                old += 1;
+            }
+            grid.occupancy.words_mut()[word] = kept;
+        }
+        for axis in 0..3 {
+            let allowed = inner_neighbours(&grid.occupancy, axis);
+            for (link, allowed) in grid.links[axis].words_mut().iter_mut().zip(allowed.words()) {
+                *link &= allowed;
+            }
+        }
+        let renumbered = |pair: &[u32; 2]| pair.map(|v| renumber[v as usize]);
+        let cut = self
+            .cut_diagonals
+            .as_ref()
+            .map(|cut| cut.iter().map(renumbered).filter(|pair| !pair.contains(&u32::MAX)).collect());
+        Self::unchecked(grid.frame, grid.occupancy, grid.links, cut).expect("fewer voxels than before")
+    }
+}
+
+/// The voxels whose neighbour along +axis is inside too.
+fn inner_neighbours(inside: &BitGrid, axis: usize) -> BitGrid {
+    let mut result = inside.clone();
+    let (row, words) = (inside.row_words(), inside.words());
+    let [_, ny, nz] = inside.dims();
+    for (word, bits) in result.words_mut().iter_mut().enumerate() {
+        let (column, j, k) = (word % row, word / row % ny, word / row / ny);
+        *bits &= match axis {
+            0 => words[word] >> 1 | if column + 1 < row { words[word + 1] << 63 } else { 0 },
+            1 if j + 1 < ny => words[word + row],
+            2 if k + 1 < nz => words[word + row * ny],
+            _ => 0,
+        };
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frame(dims: [usize; 3]) -> Frame {
+        Frame::new(dims, [0.0; 3], [1.0; 3]).unwrap()
+    }
+
+    fn solid(dims: [usize; 3]) -> VoxelGrid {
+        VoxelGrid::solid(frame(dims), BitGrid::full(dims).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn a_box_has_the_links_of_a_grid_graph() {
+        let grid = solid([67, 4, 3]);
+        let counts: Vec<usize> = (0..3).map(|a| grid.linked_pairs(a).count()).collect();
+        assert_eq!(counts, [66 * 4 * 3, 67 * 3 * 3, 67 * 4 * 2]);
+        let graph = grid.graph(Connectivity::Six).unwrap();
+        assert_eq!(graph.edge_count(), counts.iter().sum());
+        assert_eq!(graph.neighbours(1), [0, 2, 68, 67 * 4 + 1]);
+    }
+
+    #[test]
+    fn a_cube_of_27_voxels_has_26_neighbours_in_its_middle() {
+        let graph = solid([3, 3, 3]).graph(Connectivity::TwentySix).unwrap();
+        assert_eq!(graph.neighbours(13).len(), 26);
+        assert_eq!(graph.neighbours(0).len(), 7);
+    }
+
+    #[test]
+    fn voxels_are_numbered_x_fastest() {
+        let grid = solid([70, 2, 2]).restrict(|v| v % 3 == 1);
+        for (number, voxel) in grid.voxels().enumerate() {
+            assert_eq!(grid.index(voxel), Some(number as u32));
+        }
+        assert_eq!(grid.index([0, 0, 0]), None);
+        assert_eq!(grid.index([70, 0, 0]), None);
+    }
+
+    #[test]
+    fn a_cut_link_parts_two_components() {
+        let mut links: [BitGrid; 3] = std::array::from_fn(|_| BitGrid::empty([4, 1, 1]).unwrap());
+        links[0].set([0, 0, 0], true);
+        links[0].set([2, 0, 0], true);
+        let grid =
+            VoxelGrid::new(frame([4, 1, 1]), BitGrid::full([4, 1, 1]).unwrap(), links.clone()).unwrap();
+        assert_eq!(grid.components().labels, [0, 0, 1, 1]);
+        let half = grid.restrict(|v| v >= 2);
+        assert_eq!(half.linked_pairs(0).collect::<Vec<_>>(), [[0, 1]]);
+        assert_eq!(grid.graph(Connectivity::TwentySix), Err(ShapeError::DiagonalsUnknown));
+
+        links[0].set([3, 0, 0], true);
+        let dangling = VoxelGrid::new(frame([4, 1, 1]), BitGrid::full([4, 1, 1]).unwrap(), links);
+        assert_eq!(dangling, Err(ShapeError::DanglingLink { voxel: [3, 0, 0], axis: 0 }));
+    }
+
+    #[test]
+    fn cut_diagonals_follow_a_restriction() {
+        let grid = solid([2, 2, 1]).with_cut_diagonals(vec![[0, 3]]).unwrap();
+        assert_eq!(grid.graph(Connectivity::TwentySix).unwrap().edge_count(), 5);
+        let rest = grid.restrict(|v| v != 1);
+        assert_eq!(rest.cut_diagonals(), Some(&[[0, 2]][..]));
+    }
+}

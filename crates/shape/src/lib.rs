@@ -1,0 +1,39 @@
+//! The plain data that the crates of mser3d pass to each other, without dependencies:
+//!
+//! * [`TriangleMesh`]: a surface, vertices in the order of its file;
+//! * [`VoxelGrid`]: a solid as occupied voxels *and the links between them*, one bit each;
+//! * [`Graph`]: adjacency of voxels or vertices, in compressed rows;
+//! * [`Eigenbasis`]: eigenvalues and M-orthonormal eigenfunctions of a Laplacian;
+//! * [`DisjointSets`]: union-find, which components and component trees share.
+//!
+//! Everything is checked when it is made, so that the numerical crates can index freely.
+//!
+//! ```
+//! use mser3d_shape::{BitGrid, Frame, VoxelGrid};
+//!
+//! // A solid box of 4 x 3 x 2 voxels of pitch 0.5.
+//! let frame = Frame::new([4, 3, 2], [0.0; 3], [0.5; 3])?;
+//! let grid = VoxelGrid::solid(frame, BitGrid::full([4, 3, 2])?)?;
+//! assert_eq!(grid.len(), 24);
+//! assert_eq!(grid.volume(), 3.0);
+//! assert_eq!(grid.index([3, 0, 0]), Some(3)); // x runs fastest
+//! # Ok::<(), mser3d_shape::ShapeError>(())
+//! ```
+#![warn(missing_docs)]
+
+mod bits;
+mod disjoint_sets;
+mod eigenbasis;
+mod error;
+mod graph;
+mod grid;
+mod mesh;
+mod nearest;
+
+pub use bits::{BitGrid, Bits};
+pub use disjoint_sets::DisjointSets;
+pub use eigenbasis::{Domain, Eigenbasis};
+pub use error::ShapeError;
+pub use graph::{Components, Graph};
+pub use grid::{Connectivity, DIAGONALS, Frame, VoxelGrid};
+pub use mesh::{BoundingBox, TriangleMesh};
