@@ -1,1 +1,35 @@
-//! placeholder
+//! Laplace operators of solids and surfaces, in one form.
+//!
+//! Both the paper's volume operator (section 3.2: 7-point stencil, Neumann boundary) and its surface
+//! operator (section 3.1: cotangents) become one [`Operator`]: a sparse symmetric positive
+//! semidefinite stiffness W and a diagonal mass M with `W phi = lambda M phi`. From here on nothing
+//! knows whether it came from voxels or from triangles.
+//!
+//! * [`grid_laplacian`] and [`cotangent_laplacian`] assemble W as a [`sprs`] matrix.
+//! * [`GridStencil`] applies the same grid operator without a matrix, for iterative solvers.
+//!
+//! ```
+//! use mser3d_laplace::grid_laplacian;
+//! use mser3d_shape::{BitGrid, Frame, VoxelGrid};
+//!
+//! let frame = Frame::new([3, 1, 1], [0.0; 3], [0.5; 3])?;
+//! let rod = VoxelGrid::solid(frame, BitGrid::full([3, 1, 1])?)?;
+//! let operator = grid_laplacian(&rod);
+//! // W = M L: off the diagonal -h^3 / h^2 = -h.
+//! assert_eq!(operator.stiffness().get(0, 1), Some(&-0.5));
+//! assert_eq!(operator.mass(), [0.125; 3]);
+//! # Ok::<(), mser3d_shape::ShapeError>(())
+//! ```
+//!
+//! Limits: the voxel operator is the 6-neighbour one whatever the connectivity of the tree; meshes
+//! get linear elements with lumped masses, without a Delaunay flip.
+
+mod cotangent;
+mod grid;
+mod operator;
+mod stencil;
+
+pub use cotangent::cotangent_laplacian;
+pub use grid::grid_laplacian;
+pub use operator::{LaplaceError, Operator};
+pub use stencil::GridStencil;
