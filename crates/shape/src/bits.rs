@@ -36,7 +36,7 @@ impl BitGrid {
         let mut grid = Self::empty(dims)?;
         for row in grid.words.chunks_mut(grid.row_words.max(1)) {
             row.fill(u64::MAX);
-            if dims[0] % 64 != 0 {
+            if !dims[0].is_multiple_of(64) {
                 row[dims[0] / 64] = (1 << (dims[0] % 64)) - 1;
             }
         }

@@ -1,0 +1,30 @@
+use crate::DescriptorError;
+
+/// Which vertices of n descriptors are computed for: all, or a list.
+#[derive(Clone, Copy)]
+pub(crate) struct Selection<'a> {
+    list: Option<&'a [u32]>,
+    n: usize,
+}
+
+impl<'a> Selection<'a> {
+    pub(crate) fn new(n: usize, list: Option<&'a [u32]>) -> Result<Self, DescriptorError> {
+        if let Some(list) = list
+            && let Some(number) = list.iter().position(|&v| v as usize >= n)
+        {
+            let (element, index) = ("selection entry", list[number]);
+            return Err(DescriptorError::IndexOutOfRange { element, number, index, vertices: n });
+        }
+        Ok(Self { list, n })
+    }
+
+    pub(crate) fn len(self) -> usize {
+        self.list.map_or(self.n, <[u32]>::len)
+    }
+
+    /// The vertex whose descriptor is in this row.
+    #[inline]
+    pub(crate) fn vertex(self, row: usize) -> usize {
+        self.list.map_or(row, |list| list[row] as usize)
+    }
+}

@@ -1,0 +1,51 @@
+//! What the sums over a spectrum share: which modes count, and sums in a fixed order.
+
+use crate::DescriptorError;
+use mser3d_shape::Eigenbasis;
+use rayon::prelude::*;
+
+/// Modes that have decayed by `exp(-41.5) = 1e-18` against the slowest one are left out: below the rounding
+/// of the sum, even where their eigenfunction peaks.
+pub(crate) const NEGLIGIBLE_DECAY: f64 = 41.5;
+
+/// How many of the (ascending) eigenvalues count at time t.
+pub(crate) fn live_modes(eigenvalues: &[f64], t: f64) -> usize {
+    let Some(&slowest) = eigenvalues.first() else { return 0 };
+    eigenvalues.partition_point(|l| (l - slowest) * t <= NEGLIGIBLE_DECAY)
+}
+
+pub(crate) fn check(basis: &Eigenbasis) -> Result<(), DescriptorError> {
+    let (vertices, eigenpairs) = (basis.len(), basis.eigenvalues().len());
+    if vertices == 0 || eigenpairs == 0 {
+        return Err(DescriptorError::EmptyBasis { vertices, eigenpairs });
+    }
+    Ok(())
+}
+
+/// `sum_i w_i phi_(first + i)(v)^2` of every vertex.
+pub(crate) fn weighted_squares(basis: &Eigenbasis, first: usize, weights: &[f64]) -> Vec<f64> {
+    let vertices = (0..basis.len()).into_par_iter().with_min_len(1024);
+    vertices
+        .map(|v| {
+            let phi = &basis.at(v)[first..first + weights.len()];
+            sum(weights, |i| phi[i] * phi[i])
+        })
+        .collect()
+}
+
+/// `sum_i weights[i] term(i)` in four interleaved partial sums: always the same order, and no long chain of
+/// dependent additions.
+#[inline(always)]
+pub(crate) fn sum(weights: &[f64], term: impl Fn(usize) -> f64) -> f64 {
+    let mut partial = [0.0; 4];
+    let (blocks, rest) = weights.as_chunks::<4>();
+    for (block, weights) in blocks.iter().enumerate() {
+        for lane in 0..4 {
+            partial[lane] += weights[lane] * term(4 * block + lane);
+        }
+    }
+    for (lane, weight) in rest.iter().enumerate() {
+        partial[lane] += weight * term(4 * blocks.len() + lane);
+    }
+    (partial[0] + partial[1]) + (partial[2] + partial[3])
+}

@@ -1,0 +1,46 @@
+use crate::DescriptorError;
+use mser3d_shape::Eigenbasis;
+
+/// A time of heat diffusion. Time has units of length^2.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TimeScale {
+    /// In units of the shape: `t = t_rel V^(2/3)` for a volume V, `t = t_rel A` for a surface of area A.
+    ///
+    /// The same relative time means the same on a scaled copy, and sees the same detail on shapes of
+    /// different size. Heat has spread over a whole human body by `t_rel` of about 10.
+    Relative(f64),
+    /// In squared units of the input's coordinates.
+    Absolute(f64),
+}
+
+impl TimeScale {
+    /// The time in length^2 on this shape.
+    ///
+    /// # Errors
+    /// [`DescriptorError::BadParameter`] unless the time is positive and finite.
+    pub fn on(self, basis: &Eigenbasis) -> Result<f64, DescriptorError> {
+        self.with_unit(basis.unit_time())
+    }
+
+    /// The time in length^2 when one relative unit is `unit_time`.
+    ///
+    /// Take the unit of one shape for all poses of it: then a pose that loses a part keeps its scales.
+    ///
+    /// # Errors
+    /// [`DescriptorError::BadParameter`] unless the time is positive and finite.
+    pub fn with_unit(self, unit_time: f64) -> Result<f64, DescriptorError> {
+        let (t, value) = match self {
+            Self::Relative(t) => (t * unit_time, t),
+            Self::Absolute(t) => (t, t),
+        };
+        if t.is_finite() && t > 0.0 {
+            return Ok(t);
+        }
+        let requirement = if value.is_finite() && value > 0.0 {
+            "finite and positive in length^2 too: the shape's volume or area is zero or too large"
+        } else {
+            "finite and positive"
+        };
+        Err(DescriptorError::parameter("the time scale", value, requirement))
+    }
+}
