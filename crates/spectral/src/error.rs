@@ -1,0 +1,74 @@
+/// Why there is no spectrum.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SpectralError {
+    /// A parameter out of its range.
+    #[error("spectrum: {name} is {value}, but must be {expected}")]
+    BadParameter {
+        /// The field of the parameters.
+        name: &'static str,
+        /// Its value.
+        value: String,
+        /// The values allowed.
+        expected: &'static str,
+    },
+    /// More eigenpairs than the operator has.
+    #[error(
+        "{requested} eigenpairs asked of an operator that has only {available}; ask for fewer, or use a finer grid"
+    )]
+    TooManyEigenpairs {
+        /// How many were asked for.
+        requested: usize,
+        /// Rows that take part.
+        available: usize,
+    },
+    /// The work would not fit into memory.
+    #[error(
+        "{pairs} eigenpairs of {rows} rows need about {needed_mb} MB, more than the limit of {limit_mb} MB; \
+         ask for fewer eigenpairs, use a coarser grid or raise the memory limit"
+    )]
+    TooMuchMemory {
+        /// Eigenpairs asked for.
+        pairs: usize,
+        /// Rows of the operator.
+        rows: usize,
+        /// Estimate, in units of 10^6 bytes.
+        needed_mb: u64,
+        /// Limit, in units of 10^6 bytes.
+        limit_mb: u64,
+    },
+    /// The iteration ended before all eigenpairs reached the tolerance.
+    #[error(
+        "{converged} of {wanted} eigenpairs converged in {iterations} {unit} (worst relative residual {residual:.1e}, \
+         wanted {tolerance:.1e}); allow more iterations, loosen the tolerance or ask for fewer eigenpairs"
+    )]
+    NotConverged {
+        /// Eigenpairs that reached the tolerance.
+        converged: usize,
+        /// Eigenpairs asked for.
+        wanted: usize,
+        /// Iterations done.
+        iterations: usize,
+        /// What an iteration is: restarts or filter passes.
+        unit: &'static str,
+        /// The largest relative residual.
+        residual: f64,
+        /// The tolerance.
+        tolerance: f64,
+    },
+    /// The factorization broke down: the operator is not positive semidefinite.
+    #[error(
+        "the Cholesky factorization broke down at shift {shift:.3e}; the operator is not positive semidefinite \
+         (is the mesh full of slivers? remesh it)"
+    )]
+    NotPositiveDefinite {
+        /// The positive shift that was added.
+        shift: f64,
+    },
+    /// A dense eigenproblem inside the iteration failed, which finite input never causes.
+    #[error("a small dense eigenproblem failed; the operator has entries that overflow, rescale the shape")]
+    DenseEigenproblem,
+    /// The caller asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+}

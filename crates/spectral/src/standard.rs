@@ -1,0 +1,187 @@
+//! From the generalized problem to a standard one, and back.
+
+use mser3d_laplace::Operator;
+use mser3d_shape::Eigenbasis;
+
+use crate::SpectralError;
+use crate::tall::Tall;
+
+/// `W phi = lambda M phi` as the standard problem `A x = lambda x`, `A = M^(-1/2) W M^(-1/2)`,
+/// `x = M^(1/2) phi`, over the rows that have mass.
+pub(crate) struct StandardProblem {
+    /// The row of the operator that each row of A is.
+    pub active: Vec<u32>,
+    /// M^(1/2) of each row.
+    pub root_mass: Vec<f64>,
+    /// A by rows (it is symmetric): start of each row, columns ascending, values.
+    pub starts: Vec<usize>,
+    pub columns: Vec<usize>,
+    pub values: Vec<f64>,
+    pub null_space: NullSpace,
+}
+
+impl StandardProblem {
+    pub fn new(operator: &Operator) -> Self {
+        let n = operator.len();
+        let active: Vec<u32> = (0..n as u32).filter(|&v| operator.mass()[v as usize] > 0.0).collect();
+        let mut position = vec![usize::MAX; n];
+        for (at, &v) in active.iter().enumerate() {
+            position[v as usize] = at;
+        }
+        let root_mass: Vec<f64> = active.iter().map(|&v| operator.mass()[v as usize].sqrt()).collect();
+        let (mut starts, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
+        for (at, &v) in active.iter().enumerate() {
+            if let Some(row) = operator.stiffness().outer_view(v as usize) {
+                for (u, &w) in row.iter().filter(|&(u, _)| position[u] != usize::MAX) {
+                    columns.push(position[u]);
+                    values.push(w / (root_mass[at] * root_mass[position[u]]));
+                }
+            }
+            starts.push(columns.len());
+        }
+        let parts = operator.components();
+        let labels: Vec<u32> = active.iter().map(|&v| parts.labels[v as usize]).collect();
+        let null_space = NullSpace::new(&labels, &root_mass);
+        Self { active, root_mass, starts, columns, values, null_space }
+    }
+
+    pub fn len(&self) -> usize {
+        self.active.len()
+    }
+
+    /// `y = A x` for the columns of x.
+    pub fn apply(&self, x: &Tall, y: &mut Tall) {
+        use rayon::prelude::*;
+        let width = y.stride();
+        y.data_mut().par_chunks_mut(width).enumerate().for_each(|(row, target)| {
+            target.fill(0.0);
+            for at in self.starts[row]..self.starts[row + 1] {
+                let value = self.values[at];
+                for (t, s) in target.iter_mut().zip(x.row(self.columns[at])) {
+                    *t += value * s;
+                }
+            }
+        });
+    }
+
+    /// The eigenbasis of the generalized problem: exact constants for the null space, then the
+    /// first `values.len()` columns of `vectors`.
+    pub fn eigenbasis(
+        &self,
+        operator: &Operator,
+        values: &[f64],
+        vectors: &Tall,
+        count: usize,
+    ) -> Eigenbasis {
+        let zeros = self.null_space.len().min(count);
+        let mut functions = vec![0.0; operator.len() * count];
+        for (at, &v) in self.active.iter().enumerate() {
+            let target = &mut functions[v as usize * count..(v as usize + 1) * count];
+            if let Some(constant) = target[..zeros].get_mut(self.null_space.label(at)) {
+                *constant = self.null_space.constant(at);
+            }
+            for (t, x) in target[zeros..].iter_mut().zip(vectors.row(at)) {
+                *t = x / self.root_mass[at];
+            }
+        }
+        let eigenvalues = std::iter::repeat_n(0.0, zeros).chain(values[..count - zeros].iter().copied());
+        Eigenbasis::new(operator.domain(), operator.mass().to_vec(), eigenvalues.collect(), functions)
+            .expect("eigenvalues are sorted, masses were checked by the operator")
+    }
+}
+
+/// The null space of A, known in advance: one vector M^(1/2) for each component.
+#[derive(Clone, Debug)]
+pub(crate) struct NullSpace {
+    labels: Vec<u32>,
+    /// M^(1/2) on its component, normalized: the entry of the null vector at each row.
+    entries: Vec<f64>,
+    /// 1 / sqrt(measure) of each component: the value of its constant eigenfunction.
+    constants: Vec<f64>,
+}
+
+impl NullSpace {
+    /// From the component of each row (any numbers) and M^(1/2).
+    pub fn new(labels: &[u32], root_mass: &[f64]) -> Self {
+        // Number the components by their first row.
+        let mut number = vec![u32::MAX; labels.iter().max().map_or(0, |&m| m as usize + 1)];
+        let mut measures: Vec<f64> = Vec::new();
+        let mut renumbered = Vec::with_capacity(labels.len());
+        for (&label, root) in labels.iter().zip(root_mass) {
+            let slot = &mut number[label as usize];
+            if *slot == u32::MAX {
+                *slot = measures.len() as u32;
+                measures.push(0.0);
+            }
+            measures[*slot as usize] += root * root;
+            renumbered.push(*slot);
+        }
+        let constants: Vec<f64> = measures.iter().map(|m| 1.0 / m.sqrt()).collect();
+        let entries = renumbered.iter().zip(root_mass).map(|(&c, root)| root * constants[c as usize]);
+        Self { entries: entries.collect(), labels: renumbered, constants }
+    }
+
+    /// Dimension: the number of components.
+    pub fn len(&self) -> usize {
+        self.constants.len()
+    }
+
+    pub fn label(&self, row: usize) -> usize {
+        self.labels[row] as usize
+    }
+
+    pub fn constant(&self, row: usize) -> f64 {
+        self.constants[self.labels[row] as usize]
+    }
+
+    /// Makes the columns orthogonal to the null space.
+    pub fn project_out(&self, block: &mut Tall) {
+        let width = block.stride();
+        let mut sums = vec![0.0; self.len() * width];
+        for (row, values) in block.data().chunks(width).enumerate() {
+            let target = &mut sums[self.label(row) * width..][..width];
+            for (sum, x) in target.iter_mut().zip(values) {
+                *sum += self.entries[row] * x;
+            }
+        }
+        for (row, values) in block.data_mut().chunks_mut(width).enumerate() {
+            let source = &sums[self.labels[row] as usize * width..][..width];
+            for (x, sum) in values.iter_mut().zip(source) {
+                *x -= self.entries[row] * sum;
+            }
+        }
+    }
+}
+
+/// All eigenpairs of a small problem by a dense solver.
+pub(crate) fn dense_eigenpairs(problem: &StandardProblem) -> Result<(Vec<f64>, Tall), SpectralError> {
+    let n = problem.len();
+    let mut matrix = faer::Mat::<f64>::zeros(n, n);
+    for row in 0..n {
+        for at in problem.starts[row]..problem.starts[row + 1] {
+            matrix[(row, problem.columns[at])] = problem.values[at];
+        }
+    }
+    // Lift the null space above everything else, so that it cannot mix with small eigenvalues.
+    let bound = (0..n).map(|row| {
+        problem.values[problem.starts[row]..problem.starts[row + 1]].iter().map(|v| v.abs()).sum::<f64>()
+    });
+    let lift = 2.0 * bound.fold(0.0, f64::max).max(f64::MIN_POSITIVE);
+    let null = &problem.null_space;
+    for i in 0..n {
+        for j in 0..n {
+            if null.label(i) == null.label(j) {
+                matrix[(i, j)] += lift * null.entries[i] * null.entries[j];
+            }
+        }
+    }
+    let (values, vectors) = crate::tall::small_eigen(&matrix).ok_or(SpectralError::DenseEigenproblem)?;
+    let rest = n - null.len();
+    let mut tall = Tall::zeros(n, rest.max(1));
+    for (row, target) in tall.data_mut().chunks_mut(rest.max(1)).enumerate() {
+        for i in 0..rest {
+            target[i] = vectors[(row, i)];
+        }
+    }
+    Ok((values[..rest].iter().map(|v| v.max(0.0)).collect(), tall))
+}
