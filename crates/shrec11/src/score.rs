@@ -1,0 +1,64 @@
+/// The share of values above a threshold; 0 when there are none, because a shape on which nothing
+/// is found counts as a failure, not as missing.
+///
+/// Of [`Overlaps::best`](crate::Overlaps::best) this is the **repeatability**: the share of the
+/// transformed shape's regions whose best overlap with a null region exceeds the threshold. Of
+/// [`Overlaps::matched`](crate::Overlaps::matched) it is the **matching score**.
+pub fn share_above(values: &[f64], threshold: f64) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    values.iter().filter(|v| **v > threshold).count() as f64 / values.len() as f64
+}
+
+/// What a detector and a descriptor reached on one transformed shape.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Score {
+    /// The class of the transform, such as `"noise"`.
+    pub class: String,
+    /// Its strength, 1 to 5.
+    pub strength: u32,
+    /// Each region's best overlap: [`Overlaps::best`](crate::Overlaps::best).
+    pub best: Vec<f64>,
+    /// Each region's overlap with its match: [`Overlaps::matched`](crate::Overlaps::matched).
+    pub matched: Vec<f64>,
+}
+
+impl Score {
+    /// Share of regions that were found again.
+    pub fn repeatability(&self, threshold: f64) -> f64 {
+        share_above(&self.best, threshold)
+    }
+
+    /// Number of regions that were found again.
+    pub fn correspondences(&self, threshold: f64) -> usize {
+        self.best.iter().filter(|v| **v > threshold).count()
+    }
+
+    /// Share of regions that were recognized by their descriptors.
+    pub fn matching(&self, threshold: f64) -> f64 {
+        share_above(&self.matched, threshold)
+    }
+}
+
+/// The mean of a measure over the shapes of a class (`None`: all) up to a strength; `None` without
+/// such shapes. Each shape counts the same, however many regions it has.
+///
+/// ```
+/// # use mser3d_shrec11::{mean_score, Score};
+/// let score = |strength, best| Score { class: "noise".into(), strength, best, matched: vec![] };
+/// let scores = [score(1, vec![0.9, 0.9]), score(4, vec![])];
+/// assert_eq!(mean_score(&scores, Some("noise"), 3, |s| s.repeatability(0.8)), Some(1.0));
+/// assert_eq!(mean_score(&scores, Some("noise"), 5, |s| s.repeatability(0.8)), Some(0.5));
+/// assert_eq!(mean_score(&scores, Some("holes"), 5, |s| s.repeatability(0.8)), None);
+/// ```
+pub fn mean_score(
+    scores: &[Score],
+    class: Option<&str>,
+    up_to_strength: u32,
+    measure: impl Fn(&Score) -> f64,
+) -> Option<f64> {
+    let wanted = |s: &&Score| s.strength <= up_to_strength && class.is_none_or(|c| c == s.class);
+    let (sum, count) = scores.iter().filter(wanted).fold((0.0, 0), |(sum, n), s| (sum + measure(s), n + 1));
+    (count > 0).then(|| sum / f64::from(count))
+}
