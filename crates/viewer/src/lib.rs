@@ -1,0 +1,53 @@
+//! Pictures of shapes and their regions, without display or GPU.
+//!
+//! * [`region_colours`], [`linked_colours`], [`sequential`]: one set of colours for every picture and
+//!   page, chosen to stay apart for colour-blind eyes;
+//! * [`Model`]: a [`TriangleMesh`](mser3d_shape::TriangleMesh), the faces of a
+//!   [`VoxelGrid`](mser3d_shape::VoxelGrid), or a surface cut open over its voxels;
+//! * [`render`]: panels of models into one [`Image`], by a z-buffer on the CPU with supersampling, smooth
+//!   normals, ambient occlusion, and lines where shapes and regions end.
+//!
+//! The same input gives the same bytes for any number of threads. Limits: orthographic views; one
+//! colour per sample, so no transparency.
+//!
+//! ```
+//! use mser3d_shape::TriangleMesh;
+//! use mser3d_viewer::{Colours, Model, Panel, RenderOptions, region_colours, render};
+//!
+//! let corners = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
+//! let mesh = TriangleMesh::new(corners, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])?;
+//! let labels = [0, 0, 1, -1];
+//! let colours = region_colours(2, &labels, &mesh.edge_graph(), &[]);
+//! let model = Model::from_mesh(&mesh, Colours::Regions { labels: &labels, colours: &colours })?;
+//! let sheet = render(&Panel::around(&model), &RenderOptions { height: 120, ..Default::default() })?;
+//! let mut png = Vec::new();
+//! sheet.write_png(&mut png)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+#![warn(missing_docs)]
+
+mod camera;
+mod draw;
+mod error;
+mod image;
+mod lettering;
+mod model;
+mod normals;
+mod occlusion;
+mod palette;
+mod raster;
+mod render;
+mod rgb;
+mod section;
+mod shade;
+#[cfg(test)]
+mod shapes;
+mod vector;
+
+pub use camera::{Up, View};
+pub use error::ViewerError;
+pub use image::Image;
+pub use model::{Colours, Cut, Model};
+pub use palette::{NO_REGION, PALETTE, linked_colours, region_colours, sequential, sequential_colours};
+pub use render::{Panel, RenderOptions, render};
+pub use rgb::Rgb;

@@ -1,0 +1,185 @@
+use crate::camera::{Up, View};
+use crate::draw::{Placement, draw};
+use crate::lettering::{text_width, write_text};
+use crate::vector::{dot, sub};
+use crate::{Image, Model, Rgb, ViewerError};
+
+/// How pictures are drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderOptions {
+    /// Height of a panel in pixels, 16 to 16384; its width follows from the shape.
+    pub height: usize,
+    /// Panels beside each other before a new row begins; 0: all in one row.
+    pub columns: usize,
+    /// Samples per pixel along each axis, 1 to 8: the smoothness of edges.
+    pub supersampling: usize,
+    /// The axis that points up.
+    pub up: Up,
+    /// Colour behind the shapes.
+    pub background: Rgb,
+    /// Empty border around each shape, as a fraction of the panel's height, 0 to 0.4.
+    pub margin: f64,
+    /// Strength of ambient occlusion, 0 to 1: dark folds and contacts.
+    pub occlusion: f64,
+    /// Strength of the lines around shapes and regions, 0 to 1.
+    pub lines: f64,
+    /// Height of capital letters in captions, in pixels, 6 to 512; `None` scales it with the panels.
+    pub caption_size: Option<usize>,
+}
+
+impl Default for RenderOptions {
+    fn default() -> Self {
+        Self {
+            height: 800,
+            columns: 0,
+            supersampling: 3,
+            up: Up::Y,
+            background: Rgb::WHITE,
+            margin: 0.04,
+            occlusion: 0.8,
+            lines: 0.6,
+            caption_size: None,
+        }
+    }
+}
+
+impl RenderOptions {
+    /// Checks that every option is in its range.
+    ///
+    /// # Errors
+    /// [`ViewerError::BadOption`] names the first that is not.
+    pub fn validate(&self) -> Result<(), ViewerError> {
+        let check = |good: bool, option, value: String, allowed| {
+            if good { Ok(()) } else { Err(ViewerError::BadOption { option, value, allowed }) }
+        };
+        let sizes = 16..=16384;
+        check(sizes.contains(&self.height), "height", self.height.to_string(), "16 to 16384 pixels")?;
+        let s = self.supersampling;
+        check((1..=8).contains(&s), "supersampling", s.to_string(), "1 to 8 samples")?;
+        let share = 0.0..=1.0;
+        check((0.0..=0.4).contains(&self.margin), "margin", self.margin.to_string(), "0 to 0.4")?;
+        check(share.contains(&self.occlusion), "occlusion", self.occlusion.to_string(), "0 to 1")?;
+        check(share.contains(&self.lines), "lines", self.lines.to_string(), "0 to 1")?;
+        let caption = self.caption_size.unwrap_or(12);
+        check((6..=512).contains(&caption), "caption size", caption.to_string(), "6 to 512 pixels")
+    }
+
+    fn letters(&self) -> usize {
+        self.caption_size.unwrap_or((self.height / 50).clamp(9, 512))
+    }
+}
+
+/// One picture of a sheet: a model, where it is seen from, and what is written below.
+#[derive(Clone, Debug)]
+pub struct Panel<'a> {
+    /// What is drawn.
+    pub model: &'a Model,
+    /// From where.
+    pub view: View,
+    /// Written below; empty for nothing. ASCII; other characters become boxes.
+    pub caption: String,
+}
+
+impl<'a> Panel<'a> {
+    /// A model from the front, a three-quarter view, the side and the back.
+    pub fn around(model: &'a Model) -> Vec<Self> {
+        let views = [
+            (View::FRONT, "front"),
+            (View::THREE_QUARTER, "three-quarter"),
+            (View::SIDE, "side"),
+            (View::BACK, "back"),
+        ];
+        views.into_iter().map(|(view, caption)| Self { model, view, caption: caption.to_owned() }).collect()
+    }
+}
+
+/// Draws panels into one sheet, all at the same scale, by an orthographic camera.
+///
+/// No display or GPU is needed. The picture is the same, byte for byte, for any number of threads.
+/// Memory does not grow with the number of samples: the rows of the picture are drawn in bands.
+///
+/// # Errors
+/// [`ViewerError::BadOption`], [`ViewerError::Empty`] without panels, [`ViewerError::NotFinite`] for a
+/// view that is not, [`ViewerError::TooLarge`] beyond 2^28 pixels.
+pub fn render(panels: &[Panel<'_>], options: &RenderOptions) -> Result<Image, ViewerError> {
+    options.validate()?;
+    if panels.is_empty() {
+        return Err(ViewerError::Empty { reason: "no panels" });
+    }
+    let mut extents = Vec::with_capacity(panels.len());
+    for (number, panel) in panels.iter().enumerate() {
+        if !(panel.view.azimuth.is_finite() && panel.view.elevation.is_finite()) {
+            return Err(ViewerError::NotFinite { what: "the view of panel", number });
+        }
+        extents.push(Extent::of(panel, options.up));
+    }
+    let tallest = extents.iter().map(|e| e.high[1] - e.low[1]).fold(0.0, f64::max);
+    let widest = extents.iter().map(|e| e.high[0] - e.low[0]).fold(0.0, f64::max);
+    // A flat shape seen along its plane still gets a scale; a very wide one a panel of at most 3 : 1.
+    let unit = tallest.max(widest / 3.0).max(f64::MIN_POSITIVE);
+    let inner = options.height as f64 * (1.0 - 2.0 * options.margin);
+    let scale = inner / unit;
+    let border = options.height as f64 * options.margin;
+
+    let letters = options.letters();
+    let captioned = panels.iter().any(|p| !p.caption.is_empty());
+    let footer = if captioned { letters * 5 / 2 } else { 0 };
+    let columns = if options.columns == 0 { panels.len() } else { options.columns.min(panels.len()) };
+    let rows = panels.len().div_ceil(columns);
+    let width_of = |i: usize| {
+        let shape = (extents[i].high[0] - extents[i].low[0]) * scale + 2.0 * border;
+        (shape.ceil() as usize).max(text_width(&panels[i].caption, letters as f64).ceil() as usize + letters)
+    };
+    let widths: Vec<usize> =
+        (0..columns).map(|c| (c..panels.len()).step_by(columns).map(width_of).max().unwrap_or(0)).collect();
+    // No taller than the shapes need, so that wide shapes leave no empty bands.
+    let height = ((tallest * scale + 2.0 * border).ceil() as usize).max(16);
+
+    let mut sheet = Image::new(widths.iter().sum(), rows * (height + footer), options.background)?;
+    for (i, panel) in panels.iter().enumerate() {
+        let (row, column) = (i / columns, i % columns);
+        let width = widths[column];
+        let middle = [0, 1].map(|a| 0.5 * (extents[i].low[a] + extents[i].high[a]));
+        let placement = Placement {
+            camera: panel.view.camera(options.up),
+            centre: extents[i].centre,
+            scale,
+            shift: [width as f64 / 2.0 - middle[0] * scale, height as f64 / 2.0 + middle[1] * scale],
+            size: [width, height],
+            // Depth jumps are judged against the shape, not the sheet.
+            depth_unit: unit,
+        };
+        let picture = draw(panel.model, &placement, options)?;
+        let (left, top) = (widths[..column].iter().sum::<usize>(), row * (height + footer));
+        sheet.paste(&picture, left, top);
+        let text_left = left as f64 + (width as f64 - text_width(&panel.caption, letters as f64)) / 2.0;
+        let baseline = (top + height) as f64 + 1.2 * letters as f64;
+        write_text(&mut sheet, &panel.caption, [text_left, baseline], letters as f64, Rgb::hex(0x333333));
+    }
+    Ok(sheet)
+}
+
+/// The rectangle a model fills in the camera's frame, around its centre.
+struct Extent {
+    centre: [f64; 3],
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+impl Extent {
+    fn of(panel: &Panel<'_>, up: Up) -> Self {
+        let camera = panel.view.camera(up);
+        let model = panel.model;
+        let centre = model.centre();
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for &v in model.triangles.iter().flatten() {
+            let p = sub(model.points[v as usize], centre);
+            for (a, axis) in [camera.right, camera.up].into_iter().enumerate() {
+                let x = dot(axis, p);
+                low[a] = low[a].min(x);
+                high[a] = high[a].max(x);
+            }
+        }
+        Self { centre, low, high }
+    }
+}

@@ -1,0 +1,133 @@
+//! The faces that a voxel grid shows: from outside, and where a plane cuts it.
+
+use mser3d_shape::VoxelGrid;
+
+use crate::model::Cut;
+use crate::vector::{Vec3, add, cross, dot, scale, sub, unit};
+
+/// A flat convex polygon that belongs to a voxel.
+pub(crate) struct Face {
+    pub voxel: u32,
+    pub normal: Vec3,
+    /// Counter-clockwise around `normal`.
+    pub corners: Vec<Vec3>,
+}
+
+/// The faces between a voxel that is there and a place where none is.
+pub(crate) fn exposed_faces(grid: &VoxelGrid, cut: Option<&Cut>) -> Vec<Face> {
+    let frame = grid.frame();
+    let kept =
+        |v: [u32; 3]| grid.occupancy().get(v) && cut.is_none_or(|cut| cut.beyond(frame.centre(v)) <= 0.0);
+    let mut faces = Vec::new();
+    for (number, voxel) in grid.voxels().enumerate().filter(|(_, v)| kept(*v)) {
+        let centre = frame.centre(voxel);
+        for axis in 0..3 {
+            for side in [-1i32, 1] {
+                let mut beside = voxel;
+                // A step below zero wraps to a coordinate outside any box.
+                beside[axis] = beside[axis].wrapping_add_signed(side);
+                if kept(beside) {
+                    continue;
+                }
+                let half = |a: usize, sign: f64| {
+                    let mut v = [0.0; 3];
+                    v[a] = 0.5 * sign * frame.spacing()[a];
+                    v
+                };
+                let side = f64::from(side);
+                let (u, v) = (half((axis + 1) % 3, side), half((axis + 2) % 3, 1.0));
+                let middle = add(centre, half(axis, side));
+                let corner = |p: f64, q: f64| add(middle, add(scale(u, p), scale(v, q)));
+                faces.push(Face {
+                    voxel: number as u32,
+                    normal: unit(half(axis, side)),
+                    corners: vec![corner(-1., -1.), corner(1., -1.), corner(1., 1.), corner(-1., 1.)],
+                });
+            }
+        }
+    }
+    faces
+}
+
+/// The polygons in which a plane cuts the voxels, seen from the side that is taken away.
+pub(crate) fn cut_face(grid: &VoxelGrid, cut: &Cut) -> Vec<Face> {
+    let frame = grid.frame();
+    let h = frame.spacing();
+    let normal = unit(cut.normal);
+    let across = unit(cross(normal, if normal[0].abs() < 0.9 { [1., 0., 0.] } else { [0., 1., 0.] }));
+    let along = cross(normal, across);
+    let mut faces = Vec::new();
+    for (number, voxel) in grid.voxels().enumerate() {
+        let centre = frame.centre(voxel);
+        let reach: f64 = (0..3).map(|a| (cut.normal[a] * h[a]).abs()).sum();
+        // Half-open, so that a plane between two layers cuts one of them.
+        let depth = cut.beyond(centre);
+        if !(-reach / 2.0 < depth && depth <= reach / 2.0) {
+            continue;
+        }
+        let corner = |i: usize| -> Vec3 {
+            std::array::from_fn(|a| centre[a] + h[a] * (if i >> a & 1 == 1 { 0.5 } else { -0.5 }))
+        };
+        let mut corners: Vec<Vec3> = Vec::new();
+        for i in 0..8usize {
+            for j in [i | 1, i | 2, i | 4].into_iter().filter(|&j| j != i) {
+                let (p, q) = (corner(i), corner(j));
+                let (dp, dq) = (cut.beyond(p), cut.beyond(q));
+                if (dp <= 0.0) != (dq <= 0.0) {
+                    corners.push(add(p, scale(sub(q, p), dp / (dp - dq))));
+                }
+            }
+        }
+        if corners.len() < 3 {
+            continue;
+        }
+        let middle = scale(corners.iter().fold([0.0; 3], |s, &p| add(s, p)), 1.0 / corners.len() as f64);
+        let angle = |p: &Vec3| dot(sub(*p, middle), along).atan2(dot(sub(*p, middle), across));
+        corners.sort_by(|p, q| angle(p).total_cmp(&angle(q)));
+        faces.push(Face { voxel: number as u32, normal, corners });
+    }
+    faces
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes;
+
+    fn area(face: &Face) -> f64 {
+        let first = face.corners[0];
+        let pairs = face.corners[1..].windows(2);
+        pairs.map(|w| 0.5 * dot(face.normal, cross(sub(w[0], first), sub(w[1], first)))).sum()
+    }
+
+    #[test]
+    fn exposed_faces_close_the_solid() {
+        // Divergence theorem over the faces: their flux of p / 3 is the volume.
+        let grid = shapes::ball(9);
+        let faces = exposed_faces(&grid, None);
+        let flux: f64 = faces.iter().map(|f| area(f) * dot(f.normal, f.corners[0]) / 3.0).sum();
+        assert!((flux - grid.volume()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn cutting_drops_the_voxels_beyond() {
+        let grid = shapes::ball(8);
+        let cut = Cut { normal: [0., 0., 1.], offset: 0.0 };
+        let faces = exposed_faces(&grid, Some(&cut));
+        assert!(faces.iter().flat_map(|f| &f.corners).all(|p| p[2] <= 1e-12));
+        let flux: f64 = faces.iter().map(|f| area(f) * dot(f.normal, f.corners[0]) / 3.0).sum();
+        assert!((flux - grid.volume() / 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_cut_face_has_the_area_of_the_cross_section() {
+        let grid = shapes::ball(40);
+        for normal in [[0., 0., 1.], [1., 2., -0.5], [-3., 0., 0.]] {
+            let total: f64 = cut_face(&grid, &Cut { normal, offset: 0.013 }).iter().map(area).sum();
+            assert!((total - std::f64::consts::PI).abs() < 0.05, "{normal:?} {total}");
+        }
+        // A plane exactly between two layers cuts one of them.
+        let between: f64 = cut_face(&grid, &Cut { normal: [1., 0., 0.], offset: 0.0 }).iter().map(area).sum();
+        assert!((between - std::f64::consts::PI).abs() < 0.05, "{between}");
+    }
+}
