@@ -7,6 +7,7 @@
 //!
 //! * [`grid_laplacian`] and [`cotangent_laplacian`] assemble W as a [`sprs`] matrix.
 //! * [`GridStencil`] applies the same grid operator without a matrix, for iterative solvers.
+//! * [`aggregate_grid`] makes a coarser operator of the same solid, for estimates and starting vectors.
 //!
 //! ```
 //! use mser3d_laplace::grid_laplacian;
@@ -24,11 +25,13 @@
 //! Limits: the voxel operator is the 6-neighbour one whatever the connectivity of the tree; meshes
 //! get linear elements with lumped masses, without a Delaunay flip.
 
+mod aggregate;
 mod cotangent;
 mod grid;
 mod operator;
 mod stencil;
 
+pub use aggregate::{Aggregation, aggregate_grid};
 pub use cotangent::cotangent_laplacian;
 pub use grid::grid_laplacian;
 pub use operator::{LaplaceError, Operator};

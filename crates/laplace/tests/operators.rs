@@ -1,6 +1,6 @@
 //! Facts about the operators that hold whatever solves them.
 
-use mser3d_laplace::{GridStencil, Operator, cotangent_laplacian, grid_laplacian};
+use mser3d_laplace::{GridStencil, Operator, aggregate_grid, cotangent_laplacian, grid_laplacian};
 use mser3d_shape::{BitGrid, Domain, Frame, TriangleMesh, VoxelGrid};
 
 fn lumpy_grid(spacing: [f64; 3]) -> VoxelGrid {
@@ -105,4 +105,20 @@ fn a_flipped_triangle_changes_nothing_and_a_degenerate_one_adds_nothing() {
 fn a_mesh_without_area_is_an_error() {
     let flat = TriangleMesh::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]]).unwrap();
     assert!(cotangent_laplacian(&flat).unwrap_err().to_string().contains("no triangle with an area (of 1)"));
+}
+
+#[test]
+fn aggregation_keeps_components_volume_and_cut_links() {
+    let grid = lumpy_grid([1.0; 3]).restrict(|v| v % 9 != 4); // a wall of empty voxels: two bodies
+    for factor in [1, 2, 3] {
+        let coarse = aggregate_grid(&grid, factor);
+        assert_eq!(coarse.operator.components().len(), grid.components().len());
+        assert!((coarse.operator.mass().iter().sum::<f64>() - grid.volume()).abs() < 1e-9);
+    }
+    let fine = grid_laplacian(&grid);
+    let same = aggregate_grid(&grid, 1).operator;
+    assert_eq!(same.mass(), fine.mass());
+    for (&value, (row, column)) in fine.stiffness().iter() {
+        assert!((same.stiffness().get(row, column).unwrap() - value).abs() < 1e-12);
+    }
 }
