@@ -1,0 +1,153 @@
+use crate::{AnimationInfo, MeshFormat};
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Why a file could not be read or written. Each message names the file, the line where there is
+/// one, and what to do.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshIoError {
+    /// The operating system refused to read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// The operating system refused to write; nothing was left behind.
+    #[error("{}: cannot be written: {source}; check that the folder exists, is writable and has room", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// The extension belongs to no known format.
+    #[error("{}: unknown file extension{}; known are {}", path.display(), Guess(*contents), MeshFormat::LIST)]
+    UnknownFormat {
+        /// The file.
+        path: PathBuf,
+        /// What its contents look like.
+        contents: Option<MeshFormat>,
+    },
+    /// The extension says one format, the contents another.
+    #[error(
+        "{}: named as {extension}, but its contents are {contents}; rename it to .{}",
+        path.display(), contents.extension()
+    )]
+    WrongExtension {
+        /// The file.
+        path: PathBuf,
+        /// The format its name promises.
+        extension: MeshFormat,
+        /// The format it has.
+        contents: MeshFormat,
+    },
+    /// The contents break the format's rules, or hold no usable mesh.
+    #[error("{}{}: {reason}", path.display(), Line(*line))]
+    Invalid {
+        /// The file.
+        path: PathBuf,
+        /// Line number, from 1, in formats made of lines.
+        line: Option<usize>,
+        /// What is wrong and what to do.
+        reason: String,
+    },
+    /// The contents are legal, but of a variant that is not read.
+    #[error("{}{}: {reason}", path.display(), Line(*line))]
+    Unsupported {
+        /// The file.
+        path: PathBuf,
+        /// Line number, from 1, in formats made of lines.
+        line: Option<usize>,
+        /// What is not supported and what to do.
+        reason: String,
+    },
+    /// The animation asked for is not in the file.
+    #[error("{}: no animation {wanted:?}; {}", path.display(), Available(available))]
+    NoAnimation {
+        /// The file.
+        path: PathBuf,
+        /// The name or number asked for.
+        wanted: String,
+        /// The animations that are there.
+        available: Vec<AnimationInfo>,
+    },
+    /// A parameter is out of its range.
+    #[error("{parameter}: {reason}")]
+    BadParameter {
+        /// Name of the parameter.
+        parameter: &'static str,
+        /// What is wrong and what to do.
+        reason: String,
+    },
+}
+
+struct Line(Option<usize>);
+
+impl fmt::Display for Line {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        self.0.map_or(Ok(()), |line| write!(f, ":{line}"))
+    }
+}
+
+struct Guess(Option<MeshFormat>);
+
+impl fmt::Display for Guess {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        self.0.map_or(Ok(()), |format| {
+            write!(f, " (the contents look like {format}: rename it to .{})", format.extension())
+        })
+    }
+}
+
+struct Available<'a>(&'a [AnimationInfo]);
+
+impl fmt::Display for Available<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        if self.0.is_empty() {
+            return f.write_str("the file has no animations");
+        }
+        f.write_str("choose by name or number from")?;
+        for (i, info) in self.0.iter().enumerate() {
+            write!(f, "{} {info}", if i == 0 { "" } else { "," })?;
+        }
+        Ok(())
+    }
+}
+
+/// What a parser finds wrong, before the path is known.
+#[derive(Debug)]
+pub(crate) struct Fault {
+    line: Option<usize>,
+    unsupported: bool,
+    reason: String,
+}
+
+impl Fault {
+    pub(crate) fn new(reason: impl Into<String>) -> Self {
+        Self { line: None, unsupported: false, reason: reason.into() }
+    }
+
+    pub(crate) fn at(line: usize, reason: impl Into<String>) -> Self {
+        Self { line: Some(line), ..Self::new(reason) }
+    }
+
+    pub(crate) fn unsupported(line: Option<usize>, reason: impl Into<String>) -> Self {
+        Self { line, unsupported: true, reason: reason.into() }
+    }
+
+    pub(crate) fn into_reason(self) -> String {
+        self.reason
+    }
+
+    pub(crate) fn in_file(self, path: &Path) -> MeshIoError {
+        let Self { line, unsupported, reason } = self;
+        let path = path.to_path_buf();
+        match unsupported {
+            true => MeshIoError::Unsupported { path, line, reason },
+            false => MeshIoError::Invalid { path, line, reason },
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! PLY: a header that declares elements and their properties, then the elements one after another.
+
+mod header;
+mod values;
+
+use crate::error::Fault;
+use crate::polygon::Faces;
+use crate::read::{Parsed, note};
+use header::{Element, Encoding, Header, Kind};
+use values::{AsciiValues, BinaryValues, Values};
+
+pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
+    let (header, lines) = Header::parse(bytes)?;
+    match header.encoding {
+        Encoding::Ascii => body(&header, &mut AsciiValues::new(lines)),
+        Encoding::LittleEndian => body(&header, &mut BinaryValues::new(lines.rest(), false)),
+        Encoding::BigEndian => body(&header, &mut BinaryValues::new(lines.rest(), true)),
+    }
+}
+
+fn body(header: &Header, values: &mut impl Values) -> Result<Parsed, Fault> {
+    let vertex_count = header.elements.iter().find(|e| e.name == "vertex").map_or(0, |e| e.count);
+    let mut vertices = Vec::new();
+    let mut polygons = Polygons::default();
+    let mut notes = Vec::new();
+    for element in &header.elements {
+        let smallest = element.properties.iter().map(|p| values.smallest(p.kind)).sum::<u64>();
+        if element.count.saturating_mul(smallest.max(1)) > values.left() {
+            return Err(Fault::at(
+                element.line,
+                format!(
+                    "{} elements \"{}\" are declared, more than the rest of the file holds ({} bytes); \
+                     it is truncated or the count is wrong",
+                    element.count,
+                    element.name,
+                    values.left()
+                ),
+            ));
+        }
+        match element.name.as_str() {
+            "vertex" => read_vertices(element, values, &mut vertices)?,
+            "face" => read_faces(element, values, vertex_count, &mut polygons)?,
+            name => {
+                if name == "tristrips" {
+                    notes.push("triangle strips left out; export the mesh as faces".to_owned());
+                }
+                for number in 0..element.count {
+                    values.begin(element, number)?;
+                    for property in &element.properties {
+                        values.skip(property.kind)?;
+                    }
+                }
+            }
+        }
+    }
+    let mut faces = Faces::default();
+    let mut start = 0;
+    for &end in &polygons.ends {
+        faces.push(&polygons.corners[start..end], &vertices);
+        start = end;
+    }
+    notes.extend(note(faces.skipped, "faces of fewer than three corners left out"));
+    Ok(Parsed { vertices, triangles: faces.triangles, weld: None, polygons: faces.polygons, notes })
+}
+
+/// Corners of all faces, and where each face's corners end.
+#[derive(Default)]
+struct Polygons {
+    corners: Vec<u32>,
+    ends: Vec<usize>,
+}
+
+fn read_vertices(element: &Element, values: &mut impl Values, out: &mut Vec<[f64; 3]>) -> Result<(), Fault> {
+    let axis = |name: &str| ["x", "y", "z"].iter().position(|&axis| axis == name);
+    let roles: Vec<_> = element.properties.iter().map(|p| (p.kind, axis(&p.name))).collect();
+    for (a, name) in ["x", "y", "z"].iter().enumerate() {
+        if !roles.iter().any(|r| r.1 == Some(a) && matches!(r.0, Kind::Scalar(_))) {
+            return Err(Fault::at(element.line, format!("vertices have no property \"{name}\"")));
+        }
+    }
+    out.reserve_exact(element.count as usize);
+    for number in 0..element.count {
+        values.begin(element, number)?;
+        let mut position = [0.0; 3];
+        for &(kind, axis) in &roles {
+            match (kind, axis) {
+                (Kind::Scalar(scalar), Some(a)) => position[a] = values.scalar(scalar)?,
+                _ => values.skip(kind)?,
+            }
+        }
+        if position.iter().any(|x| !x.is_finite()) {
+            return Err(
+                values.fault(format!("vertex {number} has a coordinate that is NaN or infinite; repair it"))
+            );
+        }
+        out.push(position);
+    }
+    Ok(())
+}
+
+fn read_faces(
+    element: &Element,
+    values: &mut impl Values,
+    vertices: u64,
+    out: &mut Polygons,
+) -> Result<(), Fault> {
+    let corners = |name: &str| name == "vertex_indices" || name == "vertex_index";
+    let list = element.properties.iter().position(|p| corners(&p.name));
+    let Some(list) = list.filter(|&i| matches!(element.properties[i].kind, Kind::List { .. })) else {
+        return Err(Fault::at(element.line, "faces have no list property \"vertex_indices\""));
+    };
+    out.ends.reserve_exact(element.count as usize);
+    for number in 0..element.count {
+        values.begin(element, number)?;
+        for (i, property) in element.properties.iter().enumerate() {
+            let Kind::List { count, item } = property.kind else {
+                values.skip(property.kind)?;
+                continue;
+            };
+            if i != list {
+                values.skip(property.kind)?;
+                continue;
+            }
+            for _ in 0..values.list_length(count)? {
+                let index = values.scalar(item)?;
+                if !(index >= 0.0 && index < vertices as f64 && index.fract() == 0.0) {
+                    return Err(values.fault(format!(
+                        "face {number} names vertex {index}, but there are {vertices} vertices (numbered from 0)"
+                    )));
+                }
+                out.corners.push(index as u32);
+            }
+        }
+        out.ends.push(out.corners.len());
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEADER: &str = "comment c\nelement vertex 5\nproperty float nx\nproperty double x\nproperty float y\n\
+        property short z\nproperty list uchar float extra\nelement edge 1\nproperty int vertex1\n\
+        element face 2\nproperty uchar red\nproperty list uchar int vertex_indices\nend_header\n";
+    const VERTICES: [[f64; 3]; 5] = [[0.1, 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.], [7., 7., -7.]];
+    const FACES: [&[u32]; 2] = [&[0, 1, 2, 3], &[0, 2, 1]];
+
+    fn ascii() -> Vec<u8> {
+        let mut text = format!("ply\nformat ascii 1.0\n{HEADER}");
+        for [x, y, z] in VERTICES {
+            text += &format!("nan {x} {y} {z} 2 0.5 0.5\n");
+        }
+        text += "3\n";
+        for face in FACES {
+            let corners: Vec<_> = face.iter().map(u32::to_string).collect();
+            text += &format!("255 {} {}\n", face.len(), corners.join(" "));
+        }
+        text.into()
+    }
+
+    fn binary(big: bool) -> Vec<u8> {
+        let order = |bytes: &mut [u8]| {
+            if big {
+                bytes.reverse()
+            }
+        };
+        let name = if big { "big" } else { "little" };
+        let mut out = format!("ply\r\nformat binary_{name}_endian 1.0\r\n{HEADER}").into_bytes();
+        let mut put = |bytes: &mut [u8]| {
+            order(bytes);
+            out.extend_from_slice(bytes);
+        };
+        for [x, y, z] in VERTICES {
+            put(&mut f32::NAN.to_le_bytes());
+            put(&mut x.to_le_bytes());
+            put(&mut (y as f32).to_le_bytes());
+            put(&mut (z as i16).to_le_bytes());
+            put(&mut [1]);
+            put(&mut 0.5f32.to_le_bytes());
+        }
+        put(&mut 3i32.to_le_bytes());
+        for face in FACES {
+            put(&mut [255]);
+            put(&mut [face.len() as u8]);
+            for v in face {
+                put(&mut v.to_le_bytes());
+            }
+        }
+        out
+    }
+
+    #[test]
+    fn three_encodings_hold_the_same_mesh() {
+        for bytes in [ascii(), binary(false), binary(true)] {
+            let parsed = parse(&bytes).unwrap();
+            assert_eq!(parsed.vertices, VERTICES);
+            assert_eq!(parsed.triangles, [[0, 1, 2], [0, 2, 3], [0, 2, 1]]);
+            assert_eq!(parsed.polygons, 1);
+        }
+    }
+
+    #[test]
+    fn every_truncation_is_an_error() {
+        for bytes in [ascii(), binary(false), binary(true)] {
+            // The last byte of the ASCII file is a line end, which it can do without.
+            for end in 0..bytes.len() - 1 {
+                assert!(parse(&bytes[..end]).is_err(), "{end} of {} bytes", bytes.len());
+            }
+        }
+    }
+}

@@ -1,0 +1,130 @@
+use crate::error::Fault;
+use crate::{MeshFormat, MeshIoError, gltf, obj, off, ply, stl};
+use mser3d_shape::TriangleMesh;
+use std::path::Path;
+
+/// What to read of a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ReadOptions {
+    /// The glTF animation that poses the figure, by name or by number from 0; `None` for the pose
+    /// that the file's nodes are in.
+    pub animation: Option<String>,
+    /// When in the animation, in seconds. Before the first key and after the last one the figure
+    /// holds still.
+    pub time: f64,
+}
+
+impl ReadOptions {
+    /// # Errors
+    /// [`MeshIoError::BadParameter`] for a time that is negative or not finite.
+    pub fn validate(&self) -> Result<(), MeshIoError> {
+        if !(self.time.is_finite() && self.time >= 0.0) {
+            let reason = format!("{} is not a number of seconds >= 0", self.time);
+            return Err(MeshIoError::BadParameter { parameter: "time", reason });
+        }
+        Ok(())
+    }
+}
+
+/// A mesh and how it came out of its file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadedMesh {
+    /// The mesh. Vertex i is the i-th vertex of an OBJ, OFF or PLY file, used by a face or not.
+    pub mesh: TriangleMesh,
+    /// The file's format.
+    pub format: MeshFormat,
+    /// The mesh vertex of each vertex of the file, in formats that list a vertex once per triangle
+    /// or primitive (glTF, STL): equal positions are one mesh vertex, numbered by first occurrence.
+    /// `None` where the file's vertices are the mesh's.
+    pub weld: Option<Vec<u32>>,
+    /// Faces of more than three corners, which were cut into triangles.
+    pub polygons: usize,
+    /// What a user should know: faces that were left out, parts that were not read.
+    pub notes: Vec<String>,
+}
+
+impl LoadedMesh {
+    /// Values per mesh vertex as values per vertex of the file.
+    ///
+    /// # Panics
+    /// When there is not one value for each mesh vertex.
+    pub fn per_file_vertex<T: Clone>(&self, values: &[T]) -> Vec<T> {
+        assert_eq!(values.len(), self.mesh.vertices().len(), "one value for each vertex of the mesh");
+        match &self.weld {
+            Some(weld) => weld.iter().map(|&v| values[v as usize].clone()).collect(),
+            None => values.to_vec(),
+        }
+    }
+}
+
+/// What a parser makes of a file.
+#[derive(Default)]
+pub(crate) struct Parsed {
+    pub vertices: Vec<[f64; 3]>,
+    pub triangles: Vec<[u32; 3]>,
+    pub weld: Option<Vec<u32>>,
+    pub polygons: usize,
+    pub notes: Vec<String>,
+}
+
+/// Reads the mesh of a file, in the format that its extension names and its contents confirm.
+///
+/// Cost: one pass over the file, which is held in memory; memory beyond that is proportional to the
+/// file, whatever counts it declares.
+///
+/// # Errors
+/// Every [`MeshIoError`] but `Write`.
+pub fn read_mesh(path: &Path, options: &ReadOptions) -> Result<LoadedMesh, MeshIoError> {
+    let bytes = read_bytes(path)?;
+    read_mesh_from(MeshFormat::of(path, &bytes)?, &bytes, path, options)
+}
+
+/// Reads the mesh of a file's bytes. Buffers that a glTF file names are sought beside `path`, which
+/// otherwise only serves messages.
+///
+/// # Errors
+/// Every [`MeshIoError`] but `Write`.
+pub fn read_mesh_from(
+    format: MeshFormat,
+    bytes: &[u8],
+    path: &Path,
+    options: &ReadOptions,
+) -> Result<LoadedMesh, MeshIoError> {
+    options.validate()?;
+    let fault = |fault: Fault| fault.in_file(path);
+    if bytes.trim_ascii().is_empty() {
+        return Err(fault(Fault::new("the file is empty; export or copy it again")));
+    }
+    if let (Some(wanted), false) = (&options.animation, matches!(format, MeshFormat::Gltf | MeshFormat::Glb))
+    {
+        let (path, wanted) = (path.to_path_buf(), wanted.clone());
+        return Err(MeshIoError::NoAnimation { path, wanted, available: Vec::new() });
+    }
+    let parsed = match format {
+        MeshFormat::Obj => obj::parse(bytes).map_err(fault)?,
+        MeshFormat::Off => off::parse(bytes).map_err(fault)?,
+        MeshFormat::Ply => ply::parse(bytes).map_err(fault)?,
+        MeshFormat::Stl => stl::parse(bytes).map_err(fault)?,
+        MeshFormat::Gltf | MeshFormat::Glb => gltf::parse(bytes, path, options)?,
+    };
+    let Parsed { vertices, triangles, weld, polygons, notes } = parsed;
+    if vertices.is_empty() {
+        return Err(fault(Fault::new("the file has no vertices; export the mesh again")));
+    }
+    if triangles.is_empty() {
+        return Err(fault(Fault::new(
+            "the file has no faces (a point cloud or curves?); a surface of triangles or polygons is needed",
+        )));
+    }
+    let mesh = TriangleMesh::new(vertices, triangles).map_err(|e| fault(Fault::new(e.to_string())))?;
+    Ok(LoadedMesh { mesh, format, weld, polygons, notes })
+}
+
+pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, MeshIoError> {
+    std::fs::read(path).map_err(|source| MeshIoError::Read { path: path.to_path_buf(), source })
+}
+
+/// A note about things that were counted, if there were any.
+pub(crate) fn note(count: usize, what: &str) -> Option<String> {
+    (count > 0).then(|| format!("{count} {what}"))
+}
