@@ -1,0 +1,56 @@
+use super::{Candidate, Levels};
+use crate::ComponentTree;
+
+/// The nodes whose stability (eq. 5, the derivative as the difference to the parent) is not exceeded
+/// by that of the parent or of a child. Roots grow no more and are not measured.
+///
+/// Of neighbours that tie, all maxima, the largest stands.
+pub(super) fn maxima(levels: &Levels<'_>) -> Vec<Candidate> {
+    let tree = levels.tree;
+    let stability: Vec<f64> = (0..tree.len() as u32).map(|node| stability(levels, node)).collect();
+    let mut best_child = vec![f64::NEG_INFINITY; tree.len()];
+    for node in 0..tree.len() as u32 {
+        if let Some(parent) = tree.parent(node) {
+            let best = &mut best_child[parent as usize];
+            *best = best.max(stability[node as usize]);
+        }
+    }
+    // Whether a plateau is exceeded from below is carried up to its largest node, from above down.
+    let mut below: Vec<bool> = (0..tree.len()).map(|i| best_child[i] > stability[i]).collect();
+    for node in 0..tree.len() {
+        if let Some(parent) = tree.parent(node as u32).map(|p| p as usize)
+            && stability[parent] == stability[node]
+        {
+            below[parent] |= below[node];
+        }
+    }
+    let exceeds_parent = |node: u32| match tree.parent(node) {
+        Some(parent) => stability[node as usize] > stability[parent as usize],
+        None => false,
+    };
+    (0..tree.len() as u32)
+        .filter(|&node| exceeds_parent(node) && !below[node as usize])
+        .map(|node| Candidate { node, stability: stability[node as usize] })
+        .collect()
+}
+
+/// `vol (l' - l) / (vol' - vol)` with the parent's l' and vol'.
+fn stability(levels: &Levels<'_>, node: u32) -> f64 {
+    let tree = levels.tree;
+    match tree.parent(node) {
+        None => f64::NEG_INFINITY,
+        Some(parent) => {
+            let volume = tree.volume(node);
+            let growth = tree.volume(parent) - volume;
+            if growth > 0.0 { volume * (levels.of(parent) - levels.of(node)) / growth } else { f64::INFINITY }
+        }
+    }
+}
+
+/// The nodes whose parent is larger by the factor 1 + `by` or more; and roots, which nothing contains.
+pub(super) fn with_larger_parent(tree: &ComponentTree, by: f64) -> Vec<Candidate> {
+    let kept = |&node: &u32| {
+        tree.parent(node).is_none_or(|parent| tree.volume(parent) >= (1.0 + by) * tree.volume(node))
+    };
+    (0..tree.len() as u32).filter(kept).map(|node| Candidate { node, stability: f64::NAN }).collect()
+}
