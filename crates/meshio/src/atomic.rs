@@ -1,0 +1,77 @@
+use crate::MeshIoError;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+/// Writes a file so that nobody ever sees half of it: into a temporary file of the same folder,
+/// which takes the name when it is complete. After an error or a crash, what was at `path` before
+/// is still there. (A process that is killed leaves `.NAME.*.partial` behind.)
+///
+/// ```
+/// use std::io::Write;
+/// # let folder = std::env::temp_dir().join(format!("mser3d-atomic-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder)?;
+/// let path = folder.join("regions.csv");
+/// mser3d_meshio::write_atomically(&path, |out| writeln!(out, "id,volume"))?;
+/// assert_eq!(std::fs::read(&path)?, b"id,volume\n");
+/// # std::fs::remove_dir_all(&folder)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`MeshIoError::Write`], also for an error that `write` returns.
+pub fn write_atomically(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
+) -> Result<(), MeshIoError> {
+    let attempt = || {
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let prefix = format!(".{name}.");
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(&prefix).suffix(".partial");
+        // Temporary files are private by default; a result is as readable as any new file.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let file = builder.tempfile_in(folder)?;
+        let mut out = BufWriter::with_capacity(1 << 16, file.as_file());
+        write(&mut out)?;
+        out.flush()?;
+        drop(out);
+        file.persist(path).map_err(|e| e.error)?;
+        Ok(())
+    };
+    attempt().map_err(|source| MeshIoError::Write { path: path.to_path_buf(), source })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        write_atomically(&path, |out| out.write_all(b"old")).unwrap();
+        let error = write_atomically(&path, |out| {
+            out.write_all(&[0; 1 << 20])?;
+            Err(io::Error::other("no more"))
+        });
+        assert!(error.unwrap_err().to_string().contains("a.txt: cannot be written: no more"));
+        assert_eq!(std::fs::read(&path).unwrap(), b"old");
+        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1);
+        assert!(write_atomically(&folder.path().join("none/b"), |_| Ok(())).is_err());
+        assert!(write_atomically(folder.path(), |_| Ok(())).is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn the_file_has_the_permissions_of_any_new_file() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let mode = |name: &str| std::fs::metadata(folder.path().join(name)).unwrap().permissions().mode();
+        write_atomically(&folder.path().join("a"), |_| Ok(())).unwrap();
+        File::create(folder.path().join("b")).unwrap();
+        assert_eq!(mode("a"), mode("b"));
+    }
+}

@@ -1,0 +1,97 @@
+use crate::error::Fault;
+use crate::npy::{self, NpyArray};
+use crate::read::read_bytes;
+use crate::{MeshIoError, write_atomically};
+use std::collections::BTreeMap;
+use std::io::{self, Cursor, Read};
+use std::path::Path;
+use zip::write::SimpleFileOptions;
+
+/// Writes named arrays as one file that `numpy.load` opens. The same arrays make the same bytes:
+/// nothing in the file depends on the clock.
+///
+/// # Errors
+/// [`MeshIoError::Write`], also for a name given twice.
+pub fn write_npz(path: &Path, arrays: &[(&str, NpyArray)]) -> Result<(), MeshIoError> {
+    write_atomically(path, |out| {
+        let mut archive = zip::ZipWriter::new(out);
+        for (name, array) in arrays {
+            let options = SimpleFileOptions::DEFAULT
+                .compression_method(zip::CompressionMethod::Stored)
+                .last_modified_time(zip::DateTime::DEFAULT)
+                .unix_permissions(0o644)
+                .large_file(array.byte_len() > u64::from(u32::MAX));
+            archive.start_file(format!("{name}.npy"), options)?;
+            array.write(&mut archive)?;
+        }
+        archive.finish().map(|_| ()).map_err(io::Error::from)
+    })
+}
+
+/// Reads the arrays of a file written by [`write_npz`] or `numpy.savez` (uncompressed), by name.
+///
+/// # Errors
+/// [`MeshIoError::Read`], [`MeshIoError::Invalid`], [`MeshIoError::Unsupported`].
+pub fn read_npz(path: &Path) -> Result<BTreeMap<String, NpyArray<'static>>, MeshIoError> {
+    let bytes = read_bytes(path)?;
+    parse(&bytes).map_err(|fault| fault.in_file(path))
+}
+
+fn parse(bytes: &[u8]) -> Result<BTreeMap<String, NpyArray<'static>>, Fault> {
+    let broken = |e: zip::result::ZipError| match e {
+        zip::result::ZipError::UnsupportedArchive(_) => {
+            Fault::unsupported(None, "compressed arrays are not supported; save them with numpy.savez")
+        }
+        e => Fault::new(format!("not a whole .npz file: {e}")),
+    };
+    let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(broken)?;
+    let mut arrays = BTreeMap::new();
+    for number in 0..archive.len() {
+        let mut file = archive.by_index(number).map_err(broken)?;
+        let name = file.name().map_err(broken)?.into_owned();
+        let name = name.strip_suffix(".npy").unwrap_or(&name).to_owned();
+        let in_array = |reason: String| Fault::new(format!("array {name:?}: {reason}"));
+        let mut data = Vec::new();
+        // Stored, so no array is larger than the file.
+        let limit = bytes.len() as u64;
+        file.by_ref().take(limit).read_to_end(&mut data).map_err(|e| in_array(e.to_string()))?;
+        let stored = npy::parse(&data).map_err(|fault| in_array(fault.into_reason()))?;
+        if stored.first_axis_fastest && stored.array.shape().len() > 1 {
+            return Err(in_array("it is in Fortran order; save it through numpy.ascontiguousarray".into()));
+        }
+        arrays.insert(name, stored.array);
+    }
+    Ok(arrays)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arrays_come_back_and_bytes_repeat() {
+        let folder = tempfile::tempdir().unwrap();
+        let arrays = [
+            ("vertex_region", NpyArray::flat(vec![-1i32, 0, 3])),
+            ("voxel_index", NpyArray::new(&[2, 3], vec![0u32, 1, 2, 3, 4, 5]).unwrap()),
+            ("eigenvalues", NpyArray::flat(vec![0.0, 0.25])),
+        ];
+        let paths = ["a.npz", "b.npz"].map(|name| folder.path().join(name));
+        for path in &paths {
+            write_npz(path, &arrays).unwrap();
+        }
+        let bytes = std::fs::read(&paths[0]).unwrap();
+        assert_eq!(bytes, std::fs::read(&paths[1]).unwrap());
+        let read = read_npz(&paths[0]).unwrap();
+        assert_eq!(read.len(), 3);
+        for (name, array) in &arrays {
+            assert_eq!(&read[*name], array);
+        }
+        for end in 0..bytes.len() {
+            assert!(parse(&bytes[..end]).is_err());
+        }
+        let twice = [arrays[0].clone(), arrays[0].clone()];
+        assert!(write_npz(&paths[0], &twice).unwrap_err().to_string().contains("a.npz"));
+        assert_eq!(std::fs::read(&paths[0]).unwrap(), bytes);
+    }
+}

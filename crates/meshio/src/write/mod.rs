@@ -1,0 +1,49 @@
+//! Meshes and voxels to files.
+
+mod glb;
+mod off;
+mod ply;
+mod vti;
+
+pub use glb::write_glb;
+pub use off::write_off;
+pub use ply::write_ply;
+pub use vti::{VoxelField, VoxelValues, write_vti};
+
+use crate::MeshIoError;
+use mser3d_shape::TriangleMesh;
+
+/// What to write beside each vertex's position: one value per vertex each, or none.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct VertexAttributes<'a> {
+    /// Colour, sRGB.
+    pub colors: Option<&'a [[u8; 3]]>,
+    /// Number of the region, -1 for none.
+    pub regions: Option<&'a [i32]>,
+    /// Unit normal.
+    pub normals: Option<&'a [[f64; 3]]>,
+}
+
+impl VertexAttributes<'_> {
+    fn check(&self, mesh: &TriangleMesh) -> Result<(), MeshIoError> {
+        let needed = mesh.vertices().len();
+        for (parameter, found) in [
+            ("vertex colors", self.colors.map(<[_]>::len)),
+            ("vertex regions", self.regions.map(<[_]>::len)),
+            ("vertex normals", self.normals.map(<[_]>::len)),
+        ] {
+            check_length(parameter, found.unwrap_or(needed), needed)?;
+        }
+        Ok(())
+    }
+}
+
+pub(crate) fn check_length(parameter: &'static str, found: usize, needed: usize) -> Result<(), MeshIoError> {
+    if found != needed {
+        return Err(MeshIoError::BadParameter {
+            parameter,
+            reason: format!("{found} given, {needed} needed"),
+        });
+    }
+    Ok(())
+}

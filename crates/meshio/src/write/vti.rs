@@ -1,0 +1,112 @@
+use super::check_length;
+use crate::{MeshIoError, write_atomically};
+use mser3d_shape::VoxelGrid;
+use std::io::{self, Write};
+use std::path::Path;
+
+/// A named value for each occupied voxel of a grid.
+#[derive(Clone, Copy, Debug)]
+pub struct VoxelField<'a> {
+    /// Its name in ParaView; `inside` is taken.
+    pub name: &'a str,
+    /// One value per occupied voxel, in the grid's order.
+    pub values: VoxelValues<'a>,
+}
+
+/// The values of a [`VoxelField`].
+#[derive(Clone, Copy, Debug)]
+pub enum VoxelValues<'a> {
+    /// Labels, such as region numbers with -1 for none; -2 is written for empty voxels.
+    Labels(&'a [i32]),
+    /// Numbers; NaN is written for empty voxels.
+    Numbers(&'a [f64]),
+}
+
+impl VoxelValues<'_> {
+    fn len(&self) -> usize {
+        match self {
+            Self::Labels(values) => values.len(),
+            Self::Numbers(values) => values.len(),
+        }
+    }
+
+    /// The name of the type in VTK and the bytes that a value takes.
+    fn vtk_type(&self) -> (&'static str, u64) {
+        match self {
+            Self::Labels(_) => ("Int32", 4),
+            Self::Numbers(_) => ("Float64", 8),
+        }
+    }
+}
+
+/// Writes a voxel grid as VTK's ImageData (`.vti`), as ParaView opens it: cell data over the whole
+/// box, x fastest, among them `inside` (1 for occupied voxels, 0 for empty ones).
+///
+/// # Errors
+/// [`MeshIoError::Write`]; [`MeshIoError::BadParameter`] for a field of another length or with a
+/// name that is taken, empty or in need of escapes.
+pub fn write_vti(path: &Path, grid: &VoxelGrid, fields: &[VoxelField]) -> Result<(), MeshIoError> {
+    for (number, field) in fields.iter().enumerate() {
+        check_length("voxel values", field.values.len(), grid.len())?;
+        let taken = field.name == "inside" || fields[..number].iter().any(|f| f.name == field.name);
+        if taken || field.name.is_empty() || field.name.contains(['<', '>', '&', '"']) {
+            let reason = format!("{:?} cannot name voxel values; choose another", field.name);
+            return Err(MeshIoError::BadParameter { parameter: "field name", reason });
+        }
+    }
+    write_atomically(path, |out| {
+        let frame = grid.frame();
+        let [nx, ny, nz] = frame.dims();
+        let cells = nx as u64 * ny as u64 * nz as u64;
+        let triple = |v: [f64; 3]| format!("{:?} {:?} {:?}", v[0], v[1], v[2]);
+        writeln!(
+            out,
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" \
+             header_type=\"UInt64\">\n<ImageData WholeExtent=\"0 {nx} 0 {ny} 0 {nz}\" Origin=\"{}\" Spacing=\"{}\">",
+            triple(frame.origin()),
+            triple(frame.spacing())
+        )?;
+        let active = fields.first().map_or("inside", |f| f.name);
+        writeln!(out, "<Piece Extent=\"0 {nx} 0 {ny} 0 {nz}\">\n<CellData Scalars=\"{active}\">")?;
+        let mut offset = 0;
+        let types = fields.iter().map(|f| (f.name, f.values.vtk_type())).chain([("inside", ("UInt8", 1))]);
+        for (name, (kind, size)) in types {
+            writeln!(
+                out,
+                "<DataArray type=\"{kind}\" Name=\"{name}\" format=\"appended\" offset=\"{offset}\"/>"
+            )?;
+            offset += 8 + cells * size;
+        }
+        out.write_all(b"</CellData>\n</Piece>\n</ImageData>\n<AppendedData encoding=\"raw\">\n_")?;
+        for field in fields {
+            out.write_all(&(cells * field.values.vtk_type().1).to_le_bytes())?;
+            match field.values {
+                VoxelValues::Labels(labels) => {
+                    each_cell(grid, |voxel| out.write_all(&voxel.map_or(-2, |v| labels[v]).to_le_bytes()))?;
+                }
+                VoxelValues::Numbers(numbers) => {
+                    each_cell(grid, |voxel| {
+                        out.write_all(&voxel.map_or(f64::NAN, |v| numbers[v]).to_le_bytes())
+                    })?;
+                }
+            }
+        }
+        out.write_all(&cells.to_le_bytes())?;
+        each_cell(grid, |voxel| out.write_all(&[voxel.is_some().into()]))?;
+        out.write_all(b"\n</AppendedData>\n</VTKFile>\n")
+    })
+}
+
+/// Every cell of the box, x fastest, with the number of its voxel if it is occupied.
+fn each_cell(grid: &VoxelGrid, mut write: impl FnMut(Option<usize>) -> io::Result<()>) -> io::Result<()> {
+    let [nx, ny, nz] = grid.frame().dims();
+    let mut next = 0;
+    for row in 0..ny * nz {
+        for i in 0..nx {
+            let inside = grid.occupancy().get([i as u32, (row % ny) as u32, (row / ny) as u32]);
+            write(inside.then_some(next))?;
+            next += usize::from(inside);
+        }
+    }
+    Ok(())
+}
