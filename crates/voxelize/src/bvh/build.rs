@@ -1,0 +1,138 @@
+//! Building by binned surface-area heuristic: I. Wald, *On fast construction of SAH-based bounding
+//! volume hierarchies*, 2007.
+
+use super::{Bvh, Node};
+use crate::vector::Vec3;
+use mser3d_shape::BoundingBox;
+
+const BINS: usize = 16;
+/// Triangles that a leaf may hold when splitting it does not pay.
+const MAX_LEAF: usize = 8;
+/// Fewer triangles are not worth another thread.
+const PARALLEL: usize = 8192;
+/// Cost of visiting a node, in triangle tests.
+const VISIT: f64 = 1.0;
+
+#[derive(Clone, Copy)]
+struct Item {
+    bounds: BoundingBox,
+    number: u32,
+}
+
+impl Item {
+    /// Twice the middle of the box.
+    #[inline]
+    fn middle(&self, axis: usize) -> f64 {
+        self.bounds.min[axis] + self.bounds.max[axis]
+    }
+}
+
+const NOTHING: BoundingBox = BoundingBox { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
+
+#[inline]
+fn joined(a: BoundingBox, b: &BoundingBox) -> BoundingBox {
+    BoundingBox {
+        min: std::array::from_fn(|i| a.min[i].min(b.min[i])),
+        max: std::array::from_fn(|i| a.max[i].max(b.max[i])),
+    }
+}
+
+#[inline]
+fn half_area(bounds: &BoundingBox) -> f64 {
+    let [x, y, z] = bounds.extent();
+    if x < 0.0 { 0.0 } else { x * y + y * z + z * x }
+}
+
+pub(super) fn build(corners: Vec<[Vec3; 3]>) -> Bvh {
+    let item = |(number, triangle): (usize, &[Vec3; 3])| {
+        let bounds = triangle.iter().fold(NOTHING, |b, &p| joined(b, &BoundingBox { min: p, max: p }));
+        Item { bounds, number: number as u32 }
+    };
+    let mut items: Vec<Item> = corners.iter().enumerate().map(item).collect();
+    let nodes = if items.is_empty() { Vec::new() } else { subtree(&mut items, 0) };
+    let numbers: Vec<u32> = items.iter().map(|i| i.number).collect();
+    let corners = numbers.iter().map(|&t| corners[t as usize]).collect();
+    Bvh { nodes, numbers, corners }
+}
+
+/// The nodes over some items, depth first, `first` being the place of items[0] in leaf order.
+/// Right children are counted from the subtree's root.
+fn subtree(items: &mut [Item], first: u32) -> Vec<Node> {
+    let bounds = items.iter().fold(NOTHING, |b, item| joined(b, &item.bounds));
+    let middle = split(items, &bounds);
+    let Some(middle) = middle else {
+        return vec![Node { bounds, first, count: items.len() as u32 }];
+    };
+    let parallel = items.len() > PARALLEL;
+    let (low, high) = items.split_at_mut(middle);
+    let second = first + middle as u32;
+    let (left, right) = if parallel {
+        rayon::join(|| subtree(low, first), || subtree(high, second))
+    } else {
+        (subtree(low, first), subtree(high, second))
+    };
+    let mut nodes = Vec::with_capacity(1 + left.len() + right.len());
+    nodes.push(Node { bounds, first: 1 + left.len() as u32, count: 0 });
+    for (children, shift) in [(&left, 1), (&right, 1 + left.len() as u32)] {
+        nodes.extend(children.iter().map(|&node| {
+            let shift = if node.count == 0 { shift } else { 0 };
+            Node { first: node.first + shift, ..node }
+        }));
+    }
+    nodes
+}
+
+/// Reorders the items so that the cheapest split of three axes times `BINS` lies at the returned place;
+/// `None` for a leaf.
+fn split(items: &mut [Item], bounds: &BoundingBox) -> Option<usize> {
+    if items.len() <= 2 {
+        return None;
+    }
+    let (mut best, mut cheapest) = (None, f64::INFINITY);
+    for axis in 0..3 {
+        let low = items.iter().map(|i| i.middle(axis)).fold(f64::INFINITY, f64::min);
+        let high = items.iter().map(|i| i.middle(axis)).fold(f64::NEG_INFINITY, f64::max);
+        let scale = BINS as f64 / (high - low);
+        if !(high > low && scale.is_finite()) {
+            continue;
+        }
+        let bin = move |item: &Item| (((item.middle(axis) - low) * scale) as usize).min(BINS - 1);
+        let mut bins = [(NOTHING, 0usize); BINS];
+        for item in items.iter() {
+            let slot = &mut bins[bin(item)];
+            *slot = (joined(slot.0, &item.bounds), slot.1 + 1);
+        }
+        let mut above = [(0.0, 0); BINS];
+        let mut sweep = (NOTHING, 0);
+        for i in (1..BINS).rev() {
+            sweep = (joined(sweep.0, &bins[i].0), sweep.1 + bins[i].1);
+            above[i] = (half_area(&sweep.0), sweep.1);
+        }
+        sweep = (NOTHING, 0);
+        for i in 1..BINS {
+            sweep = (joined(sweep.0, &bins[i - 1].0), sweep.1 + bins[i - 1].1);
+            if sweep.1 > 0 && above[i].1 > 0 {
+                let cost = half_area(&sweep.0) * sweep.1 as f64 + above[i].0 * above[i].1 as f64;
+                if cost < cheapest {
+                    (best, cheapest) = (Some((bin, i)), cost);
+                }
+            }
+        }
+    }
+    let leaf_cost = half_area(bounds) * (items.len() as f64 - VISIT);
+    match best {
+        Some(_) if items.len() <= MAX_LEAF && cheapest >= leaf_cost => None,
+        Some((bin, i)) => {
+            let mut middle = 0;
+            for at in 0..items.len() {
+                if bin(&items[at]) < i {
+                    items.swap(at, middle);
+                    middle += 1;
+                }
+            }
+            Some(middle)
+        }
+        // All middles coincide: halve, or the recursion would not end.
+        None => (items.len() > MAX_LEAF).then_some(items.len() / 2),
+    }
+}

@@ -1,0 +1,80 @@
+use mser3d_shape::ShapeError;
+
+/// Why a mesh cannot be voxelized.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum VoxelizeError {
+    /// A parameter has no meaning.
+    #[error("{parameter}: {reason}")]
+    BadParameter {
+        /// Which one.
+        parameter: &'static str,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The mesh has no triangles.
+    #[error("the mesh has no triangles; a solid needs a surface around it")]
+    NoTriangles,
+    /// More triangles than are supported.
+    #[error("{count} triangles are more than the {limit} supported; decimate the mesh")]
+    TooManyTriangles {
+        /// How many there are.
+        count: usize,
+        /// How many there may be.
+        limit: usize,
+    },
+    /// The mesh encloses nothing.
+    #[error(
+        "the surface encloses no volume ({triangles} triangles, {boundary_edges} boundary edges); \
+         voxelization needs a surface around a solid"
+    )]
+    NoVolume {
+        /// Triangles of the mesh.
+        triangles: usize,
+        /// Edges with one triangle.
+        boundary_edges: usize,
+    },
+    /// No voxel centre lies inside.
+    #[error(
+        "no voxel centre lies inside the surface: at pitch {pitch} the shape is thinner than a voxel; \
+         a pitch of at most {advice} should resolve it"
+    )]
+    Thin {
+        /// The pitch used, in the mesh's units.
+        pitch: f64,
+        /// A finer pitch.
+        advice: f64,
+    },
+    /// The grid given by the user misses the solid.
+    #[error("no voxel centre of the given grid lies inside the surface; check its origin and spacing")]
+    OutsideFrame,
+    /// A grid that is too large.
+    #[error(
+        "a pitch of {pitch} needs a box of {voxels:.3e} voxels, more than the limit of {limit}; \
+         use a pitch of at least {advice:.4} or raise max_box_voxels"
+    )]
+    TooLarge {
+        /// The pitch asked for, in the mesh's units.
+        pitch: f64,
+        /// Voxels in the box.
+        voxels: f64,
+        /// The limit.
+        limit: u64,
+        /// The finest pitch within the limit.
+        advice: f64,
+    },
+    /// Voxels smaller than the coordinates' own precision.
+    #[error(
+        "a pitch of {pitch} is below the precision of coordinates as large as {reach}; \
+         move the mesh to the origin or use a coarser pitch"
+    )]
+    Imprecise {
+        /// The pitch, in the mesh's units.
+        pitch: f64,
+        /// The largest coordinate.
+        reach: f64,
+    },
+    /// The grid cannot be made.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
+}

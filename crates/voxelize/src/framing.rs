@@ -1,0 +1,141 @@
+//! The grid around a mesh: how fine, how large, where.
+
+use crate::analysis::Analysis;
+use crate::coverage::Rule;
+use crate::error::VoxelizeError;
+use crate::parameters::{Method, Pitch, VoxelizeParameters};
+use crate::surface::Surface;
+use mser3d_shape::{Frame, TriangleMesh};
+
+/// Empty space left around the mesh, in voxels. A whole number, so that the flat sides of a box lie
+/// between centres, and a box of n pitches gets n voxels.
+const MARGIN: f64 = 1.0;
+
+/// The frame that the parameters ask for.
+pub(crate) fn frame(
+    mesh: &TriangleMesh,
+    surface: &Surface,
+    analysis: &Analysis,
+    rule: Rule,
+    parameters: &VoxelizeParameters,
+) -> Result<Frame, VoxelizeError> {
+    if let Some(frame) = parameters.frame {
+        return checked(frame, mesh, parameters.max_box_voxels);
+    }
+    let no_volume = || VoxelizeError::NoVolume {
+        triangles: mesh.triangles().len(),
+        boundary_edges: analysis.counts.boundary,
+    };
+    let pitch = match parameters.pitch {
+        Pitch::Size(pitch) => pitch,
+        Pitch::Resolution(n) => resolution_pitch(mesh, n).ok_or_else(no_volume)?,
+        Pitch::Voxels(n) => {
+            let volume = volume(mesh, surface, analysis, rule).ok_or_else(no_volume)?;
+            (volume / n as f64).cbrt()
+        }
+    };
+    let frame = around_within(mesh, pitch, parameters.max_box_voxels)?;
+    checked(frame, mesh, parameters.max_box_voxels)
+}
+
+/// The volume to divide into voxels: the mesh's own where it is closed, otherwise that with holes
+/// coned off, otherwise that of a coarse voxelization. `None` if nothing is enclosed.
+fn volume(mesh: &TriangleMesh, surface: &Surface, analysis: &Analysis, rule: Rule) -> Option<f64> {
+    let extent = mesh.bounding_box()?.extent();
+    let least = 1e-9 * extent.iter().fold(0.0f64, |m, &x| m.max(x)).powi(3);
+    let own = mesh.signed_volume().abs();
+    let closed = analysis.file.unbalanced == 0 && surface.inverted == 0;
+    if closed && own > least {
+        return Some(own);
+    }
+    if rule != Rule::Parity && !surface.bodies.iter().any(|b| b.scattered) {
+        let volume = surface.volume() / surface.scale.powi(3);
+        return (volume > least).then_some(volume);
+    }
+    const COARSE: usize = 64;
+    let frame = around(mesh, resolution_pitch(mesh, COARSE)?).ok()?;
+    let method = if analysis.counts.odd > 0 { Method::Vote } else { Method::Parity };
+    let solid = crate::voxelization::sweep(surface, &frame, rule, method, false).ok()?;
+    let volume = solid.occupancy.count_ones() as f64 * frame.voxel_volume();
+    (volume > 0.0).then_some(volume)
+}
+
+/// The pitch that divides the longest side of the box around a mesh into n voxels.
+pub(crate) fn resolution_pitch(mesh: &TriangleMesh, n: usize) -> Option<f64> {
+    let longest = mesh.bounding_box()?.extent().into_iter().fold(0.0, f64::max);
+    (longest > 0.0 && longest.is_finite()).then_some(longest / n as f64)
+}
+
+/// The frame around a mesh: corner at the lowest coordinates less one pitch, cubic voxels.
+pub(crate) fn around(mesh: &TriangleMesh, pitch: f64) -> Result<Frame, VoxelizeError> {
+    around_within(mesh, pitch, 1 << 32)
+}
+
+fn around_within(mesh: &TriangleMesh, pitch: f64, limit: u64) -> Result<Frame, VoxelizeError> {
+    let bounds = mesh.bounding_box().ok_or(VoxelizeError::NoTriangles)?;
+    let origin = bounds.min.map(|x| x - MARGIN * pitch);
+    let dims: [f64; 3] =
+        std::array::from_fn(|a| ((bounds.max[a] - origin[a] + MARGIN * pitch) / pitch).ceil());
+    let voxels: f64 = dims.iter().product();
+    if voxels.is_nan() || voxels > limit as f64 {
+        // The box grows with the cube of the resolution, its margins do not.
+        let advice = pitch * (voxels / limit as f64).cbrt();
+        return Err(VoxelizeError::TooLarge { pitch, voxels, limit, advice });
+    }
+    Ok(Frame::new(dims.map(|d| d as usize), origin, [pitch; 3])?)
+}
+
+/// Refuses frames that are too large, or finer than the coordinates' precision.
+fn checked(frame: Frame, mesh: &TriangleMesh, limit: u64) -> Result<Frame, VoxelizeError> {
+    let voxels: f64 = frame.dims().iter().map(|&d| d as f64).product();
+    let finest = frame.spacing().into_iter().fold(f64::INFINITY, f64::min);
+    if voxels > limit as f64 {
+        let advice = finest * (voxels / limit as f64).cbrt();
+        return Err(VoxelizeError::TooLarge { pitch: finest, voxels, limit, advice });
+    }
+    let used = mesh.bounding_box().ok_or(VoxelizeError::NoTriangles)?;
+    let reach = (0..3)
+        .flat_map(|a| {
+            [
+                used.min[a],
+                used.max[a],
+                frame.origin()[a],
+                frame.origin()[a] + frame.spacing()[a] * frame.dims()[a] as f64,
+            ]
+        })
+        .fold(0.0f64, |m, x| m.max(x.abs()));
+    if !reach.is_finite() || finest <= 64.0 * f64::EPSILON * reach {
+        return Err(VoxelizeError::Imprecise { pitch: finest, reach });
+    }
+    Ok(frame)
+}
+
+/// Why no voxel is inside.
+pub(crate) fn nothing_inside(
+    mesh: &TriangleMesh,
+    surface: &Surface,
+    frame: &Frame,
+    parameters: &VoxelizeParameters,
+) -> VoxelizeError {
+    let pitch = frame.spacing().into_iter().fold(f64::INFINITY, f64::min);
+    let volume = (surface.volume() / surface.scale.powi(3)).max(mesh.signed_volume().abs());
+    let area = mesh.area();
+    let extent = mesh.bounding_box().map_or([0.0; 3], |b| b.extent());
+    let least = 1e-12 * extent.iter().fold(0.0f64, |m, &x| m.max(x)).powi(3);
+    if volume > least && area > 0.0 {
+        if parameters.frame.is_some() && pitch < volume / area {
+            return VoxelizeError::OutsideFrame;
+        }
+        // A plate of thickness d has volume over area d / 2.
+        return VoxelizeError::Thin { pitch, advice: (volume / area).min(pitch / 2.0) };
+    }
+    VoxelizeError::NoVolume {
+        triangles: mesh.triangles().len(),
+        boundary_edges: crate::topology::EdgeCounts::of(&crate::topology::Edges::new(
+            mesh.vertices().len(),
+            mesh.triangles(),
+            |_| true,
+        ))
+        .boundary,
+    }
+}

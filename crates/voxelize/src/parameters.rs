@@ -1,0 +1,120 @@
+use crate::VoxelizeError;
+use mser3d_shape::{Connectivity, Frame};
+
+/// The size of a voxel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Pitch {
+    /// About this many voxels in the solid: pitch = (|V| / n)^(1/3) for a closed mesh of signed
+    /// volume V, to the last bit; V is estimated where the mesh is not closed.
+    Voxels(usize),
+    /// This many voxels along the longest side of the bounding box.
+    Resolution(usize),
+    /// The pitch itself, a length in the mesh's units.
+    Size(f64),
+}
+
+/// How to tell inside from outside.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Method {
+    /// Let the [diagnosis](crate::diagnose) choose.
+    #[default]
+    Auto,
+    /// Crossings along x, counted modulo 2. Needs no orientation; every hole leaks a line of voxels,
+    /// and overlapping bodies cancel.
+    Parity,
+    /// Parity along x, y and z, and the majority of the three.
+    Vote,
+    /// The winding number, after neighbouring triangles were given one orientation: exact integers on
+    /// closed surfaces, the generalized winding number (Jacobson et al. 2013) where there are holes.
+    Winding,
+}
+
+/// What to do where solids overlap.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Overlap {
+    /// One connected surface that overlaps itself is limbs in contact: parted. Different bodies
+    /// that overlap are a union: joined.
+    #[default]
+    Auto,
+    /// Voxels that are covered twice are left out, whoever covers them.
+    Part,
+    /// Voxels that are covered twice belong to the solid and link to all their neighbours.
+    Join,
+}
+
+/// A change of the solid by one voxel, against artefacts of the grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Morphology {
+    /// Erosion, then dilation, by the 6-neighbourhood: drops what is thinner than three voxels.
+    Open,
+    /// Dilation, then erosion, by the 6-neighbourhood: fills slits and pits a voxel wide.
+    Close,
+}
+
+/// Parameters of [`voxelize`](crate::voxelize).
+#[derive(Clone, Debug, PartialEq)]
+pub struct VoxelizeParameters {
+    /// Size of a voxel. Default: [`Pitch::Voxels`]`(45_000)`. Ignored when `frame` is given.
+    pub pitch: Pitch,
+    /// How to tell inside from outside. Default: [`Method::Auto`].
+    pub method: Method,
+    /// What to do where solids overlap. Default: [`Overlap::Auto`].
+    pub overlap: Overlap,
+    /// Whether neighbours that the surface parts are not linked. Default: true.
+    pub cut_links: bool,
+    /// Neighbours that links are determined for. With [`Connectivity::TwentySix`] the diagonal
+    /// ones too. Default: [`Connectivity::Six`].
+    pub connectivity: Connectivity,
+    /// The grid to use, to share it with other shapes or tools; its voxels may be longer along one
+    /// axis than along another. Default: none, a grid around the mesh with cubic voxels, its corner
+    /// at the lowest coordinates less one pitch.
+    pub frame: Option<Frame>,
+    /// A change of the solid by one voxel. Default: none.
+    pub morphology: Option<Morphology>,
+    /// Whether to keep only the largest linked component. Default: true.
+    pub largest_only: bool,
+    /// Voxels in the grid's box beyond which to refuse, before memory is taken: a grid takes half a
+    /// byte for each. Default: 2^32.
+    pub max_box_voxels: u64,
+}
+
+impl Default for VoxelizeParameters {
+    fn default() -> Self {
+        Self {
+            pitch: Pitch::Voxels(45_000),
+            method: Method::Auto,
+            overlap: Overlap::Auto,
+            cut_links: true,
+            connectivity: Connectivity::Six,
+            frame: None,
+            morphology: None,
+            largest_only: true,
+            max_box_voxels: 1 << 32,
+        }
+    }
+}
+
+impl VoxelizeParameters {
+    /// Checks each value on its own.
+    ///
+    /// # Errors
+    /// [`VoxelizeError::BadParameter`], naming the parameter.
+    pub fn validate(&self) -> Result<(), VoxelizeError> {
+        let bad = |parameter, reason: String| Err(VoxelizeError::BadParameter { parameter, reason });
+        match self.pitch {
+            Pitch::Voxels(0) => return bad("voxels", "at least one voxel is needed".into()),
+            Pitch::Resolution(0) => return bad("resolution", "at least one voxel is needed".into()),
+            Pitch::Size(h) if !(h.is_finite() && h > 0.0) => {
+                return bad("pitch", format!("{h} is not a positive length"));
+            }
+            _ => {}
+        }
+        if self.frame.is_some_and(|f| f.dims().contains(&0)) {
+            return bad("frame", "it has no voxels along an axis".into());
+        }
+        if self.max_box_voxels == 0 {
+            return bad("max_box_voxels", "at least one voxel is needed".into());
+        }
+        Ok(())
+    }
+}

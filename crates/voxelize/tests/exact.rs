@@ -1,0 +1,177 @@
+//! The voxels of closed surfaces against answers in exact arithmetic.
+
+mod common;
+
+use common::*;
+use mser3d_shape::{BitGrid, Frame, TriangleMesh, VoxelGrid};
+use mser3d_voxelize::*;
+
+fn on(frame: Frame, mesh: &TriangleMesh, method: Method) -> VoxelGrid {
+    let parameters =
+        VoxelizeParameters { frame: Some(frame), method, largest_only: false, ..Default::default() };
+    match voxelize(mesh, &parameters) {
+        Ok(solid) => solid.grid,
+        Err(VoxelizeError::Thin { .. }) => {
+            VoxelGrid::solid(frame, BitGrid::empty(frame.dims()).unwrap()).unwrap()
+        }
+        Err(error) => panic!("{error}"),
+    }
+}
+
+/// All methods on all voxels against a predicate over voxel centres.
+fn agrees(frame: Frame, mesh: &TriangleMesh, inside: impl Fn(Vec3) -> bool) {
+    for method in [Method::Auto, Method::Winding, Method::Parity, Method::Vote] {
+        let grid = on(frame, mesh, method);
+        let [nx, ny, nz] = frame.dims().map(|n| n as u32);
+        let mut count = 0;
+        for voxel in (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k]))) {
+            let expected = inside(frame.centre(voxel));
+            assert_eq!(grid.occupancy().get(voxel), expected, "{method:?} at {:?}", frame.centre(voxel));
+            count += usize::from(expected);
+        }
+        assert!(count > 0);
+    }
+}
+
+#[test]
+fn faces_through_voxel_centres_are_half_open() {
+    // Centres at the integers 0..12; faces on integers pass through centres.
+    let frame = Frame::new([12, 11, 10], [-0.5; 3], [1.0; 3]).unwrap();
+    for (min, max) in [
+        ([2.0, 3.0, 1.0], [7.0, 8.0, 9.0]),
+        ([2.0, 3.0, 1.0], [3.0, 4.0, 2.0]),
+        ([1.5, 3.0, 1.25], [7.0, 8.5, 6.0]),
+        ([0.0, 0.0, 0.0], [11.0, 10.0, 9.0]),
+        // Flat boxes with one layer of centres on a face.
+        ([2.0, 3.0, 4.0], [9.0, 9.0, 4.5]),
+        ([2.0, 2.75, 4.0], [9.0, 3.0 + 1e-12, 9.0]),
+    ] {
+        agrees(frame, &cuboid(min, max), |p| (0..3).all(|a| min[a] <= p[a] && p[a] < max[a]));
+    }
+}
+
+/// A box with edges along the columns of an integer matrix, voxel centres on integers: inside or not is
+/// decided in integers, ties by the first non-zero coordinate of the face's normal.
+#[test]
+fn rotated_boxes_match_integer_arithmetic() {
+    let rotations: [[[i64; 3]; 3]; 3] = [
+        [[2, 1, 2], [-2, 2, 1], [-1, -2, 2]],
+        [[2, 3, 6], [3, -6, 2], [6, 2, -3]],
+        [[3, 4, 0], [-4, 3, 0], [0, 0, 5]],
+    ];
+    for axes in rotations {
+        for shift in [[20, 20, 20], [19, 21, 18]] {
+            let half = [3i64, 2, 1];
+            let unit = cuboid([-1.0; 3], [1.0; 3]);
+            let mesh = moved(&unit, |p| {
+                std::array::from_fn(|i| {
+                    let edge = (0..3).map(|a| p[a] as i64 * half[a] * axes[a][i]).sum::<i64>();
+                    (shift[i] + edge) as f64
+                })
+            });
+            let mesh = if mesh.signed_volume() < 0.0 { inside_out(&mesh) } else { mesh };
+            let frame = Frame::new([44, 42, 43], [-0.5; 3], [1.0; 3]).unwrap();
+            let square: i64 = axes[0].iter().map(|x| x * x).sum();
+            agrees(frame, &mesh, |p| {
+                (0..3).all(|a| {
+                    let along: i64 = (0..3).map(|i| (p[i] as i64 - shift[i]) * axes[a][i]).sum();
+                    let first = axes[a].iter().find(|x| **x != 0).unwrap().signum();
+                    // Displaced by an infinitesimal along +x, `along` moves in the direction of `first`.
+                    let low = (along + half[a] * square, first) > (0, 0);
+                    let high = (half[a] * square - along, -first) > (0, 0);
+                    low && high
+                })
+            });
+        }
+    }
+}
+
+/// The octahedron |x| + |y| + |z| < r: vertices and edges on grid lines.
+#[test]
+fn vertices_on_grid_lines_are_counted_once() {
+    let frame = Frame::new([15, 15, 15], [-7.5; 3], [1.0; 3]).unwrap();
+    let mesh = sphere([0.0; 3], 6.0, 0);
+    // A point on the surface is inside if +x leads in, that is, if x < 0; with x = 0, if y < 0; then z.
+    agrees(frame, &mesh, |p| {
+        let sum: f64 = p.iter().map(|x| x.abs()).sum();
+        sum < 6.0 || sum == 6.0 && p[0] < 0.0
+    });
+}
+
+#[test]
+fn a_sphere_has_its_volume_and_methods_agree() {
+    let mesh = sphere([0.1, -0.2, 0.3], 1.0, 5);
+    let parameters = VoxelizeParameters { pitch: Pitch::Voxels(50_000), ..Default::default() };
+    let solid = voxelize(&mesh, &parameters).unwrap();
+    let pitch = (mesh.signed_volume() / 50_000.0).cbrt();
+    assert_eq!(solid.grid.frame().spacing(), [pitch; 3]);
+    assert!((solid.grid.len() as f64 / 50_000.0 - 1.0).abs() < 2e-3, "{}", solid.grid.len());
+    assert_eq!((solid.method, solid.reason), (Method::Winding, Reason::Closed));
+    assert_eq!((solid.confidence, solid.cut_links, solid.dropped_voxels), (1.0, 0, 0));
+    let frame = *solid.grid.frame();
+    for method in [Method::Parity, Method::Vote] {
+        assert_eq!(on(frame, &mesh, method).occupancy(), solid.grid.occupancy());
+    }
+}
+
+/// Random closed surfaces (tetrahedra with random corners on a coarse lattice, so that ties abound)
+/// against exact rational tests of each centre.
+#[test]
+fn random_tetrahedra_match_exact_predicates() {
+    let mut random = Random(7);
+    for round in 0..200 {
+        let corners: Vec<Vec3> =
+            (0..4).map(|_| std::array::from_fn(|_| (random.next() * 9.0).floor())).collect();
+        let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+        let mesh = TriangleMesh::new(corners.clone(), faces).unwrap();
+        let volume = mesh.signed_volume();
+        if volume == 0.0 {
+            continue;
+        }
+        let mesh = if volume < 0.0 { inside_out(&mesh) } else { mesh };
+        let frame = Frame::new([10; 3], [-0.5; 3], [1.0; 3]).unwrap();
+        let occupancy = on(frame, &mesh, Method::Winding).occupancy().clone();
+        for method in [Method::Parity, Method::Vote] {
+            assert_eq!(on(frame, &mesh, method).occupancy(), &occupancy, "round {round}");
+        }
+        for voxel in (0..1000).map(|i| [i % 10, i / 10 % 10, i / 100]) {
+            let p = voxel.map(i64::from);
+            let behind = mesh.triangles().iter().all(|t| {
+                let [a, b, c] = t.map(|v| mesh.vertices()[v as usize].map(|x| x as i64));
+                let (e, f): ([i64; 3], [i64; 3]) =
+                    (std::array::from_fn(|i| b[i] - a[i]), std::array::from_fn(|i| c[i] - a[i]));
+                let normal =
+                    [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]];
+                let height: i64 = (0..3).map(|i| normal[i] * (p[i] - a[i])).sum();
+                (height, normal) < (0, [0; 3])
+            });
+            assert_eq!(occupancy.get(voxel), behind, "round {round}, voxel {voxel:?}");
+        }
+    }
+}
+
+#[test]
+fn coordinates_far_from_one_and_far_from_the_origin() {
+    let reference = sphere([0.0; 3], 1.0, 3);
+    let parameters = VoxelizeParameters { pitch: Pitch::Resolution(32), ..Default::default() };
+    let expected = voxelize(&reference, &parameters).unwrap().grid.len();
+    for scale in [1e-30, 1e30, 2f64.powi(-300), 2f64.powi(200)] {
+        let mesh = moved(&reference, |p| p.map(|x| x * scale));
+        let found = voxelize(&mesh, &parameters).unwrap().grid.len();
+        assert!(found.abs_diff(expected) < 20, "{scale}: {found} for {expected}");
+    }
+    let far = moved(&reference, |p| p.map(|x| x + 1e9));
+    let found = voxelize(&far, &parameters).unwrap().grid.len();
+    assert!(found.abs_diff(expected) < expected / 50);
+}
+
+#[test]
+fn one_thread_and_many_give_the_same_bits() {
+    let mesh = together(&[sphere([0.0; 3], 1.0, 4), sphere([0.7, 0.3, 0.1], 0.8, 4)]);
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| voxelize(&mesh, &VoxelizeParameters::default()).unwrap())
+    };
+    assert_eq!(run(1), run(2));
+    assert_eq!(run(1), run(5));
+}
