@@ -38,6 +38,7 @@ mod palette;
 mod raster;
 mod render;
 mod rgb;
+mod samples;
 mod section;
 mod shade;
 #[cfg(test)]

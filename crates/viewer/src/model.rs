@@ -1,6 +1,9 @@
+use std::collections::BTreeMap;
+
 use mser3d_shape::{BoundingBox, TriangleMesh, VoxelGrid};
 
 use crate::occlusion::openness;
+use crate::section::{Filling, is_closed};
 use crate::vector::{Vec3, dot, scale, sub};
 use crate::{NO_REGION, Rgb, ViewerError, normals, section};
 
@@ -79,8 +82,17 @@ pub struct Model {
     pub(crate) colours: Vec<[f32; 3]>,
     /// Whether colours are mixed between vertices; otherwise each place takes the prevailing one.
     pub(crate) blend: bool,
+    pub(crate) section: Option<Section>,
+}
+
+/// How a model is cut open.
+#[derive(Clone, Debug)]
+pub(crate) struct Section {
+    pub cut: Cut,
     /// Triangles before this one are clipped by the plane.
-    pub(crate) clip: Option<(Cut, usize)>,
+    pub clipped: usize,
+    /// What fills the cut of a closed surface; an open one is filled by polygons instead.
+    pub filling: Option<Filling>,
 }
 
 impl Model {
@@ -123,8 +135,18 @@ impl Model {
             }
         };
         let openness = openness(&points, &triangles, &vertices);
-        let colours = palette.into_iter().map(Rgb::linear).collect();
-        Ok(Self { points, triangles, normals: corners, openness, paint, colours, blend, clip: None })
+        let mut model = Self {
+            points,
+            triangles,
+            normals: corners,
+            openness,
+            paint: Vec::new(),
+            colours: Vec::new(),
+            blend,
+            section: None,
+        };
+        model.paint = model.intern(&palette, &paint);
+        Ok(model)
     }
 
     /// The exposed faces of a voxel grid, one colour per voxel; with a cut, of the voxels whose centre
@@ -140,17 +162,19 @@ impl Model {
         if faces.is_empty() {
             return Err(ViewerError::Empty { reason: "no voxel is left" });
         }
-        let mut model = Self::from_polygons(&faces, colours);
+        let mut model = Self::empty();
+        model.add_polygons(&faces, colours);
         let normals: Vec<Vec3> = faces.iter().flat_map(|f| vec![f.normal; f.corners.len()]).collect();
         model.openness = openness(&model.points, &model.triangles, &normals);
         Ok(model)
     }
 
-    /// A surface cut open by a plane; the cut shows the voxels inside in their colours.
+    /// A surface cut open by a plane; the cut shows the voxels inside in their colours. Of a closed
+    /// surface the cut is filled up to the surface, with straight borders between colours; of an open
+    /// one the cut voxels are drawn.
     ///
     /// # Errors
-    /// As [`Model::from_mesh`] and [`Model::from_voxels`]; [`ViewerError::BadOption`] also for blended
-    /// vertex colours, which a cut cannot carry.
+    /// As [`Model::from_mesh`] and [`Model::from_voxels`].
     pub fn from_section(
         mesh: &TriangleMesh,
         colours: Colours<'_>,
@@ -161,41 +185,65 @@ impl Model {
         fits("colours per voxel", voxel_colours.len(), grid.len())?;
         cut.check()?;
         let mut model = Self::from_mesh(mesh, colours)?;
-        model.clip = Some((*cut, model.triangles.len()));
-        let face = Self::from_polygons(&section::cut_face(grid, cut), voxel_colours);
-        let (first_point, first_colour) = (model.points.len() as u32, model.colours.len() as u32);
-        model.points.extend(face.points);
-        model.normals.extend(face.normals);
-        model.openness.extend(face.openness);
-        model.triangles.extend(face.triangles.iter().map(|t| t.map(|v| v + first_point)));
-        model.paint.extend(face.paint.iter().map(|c| c + first_colour));
-        model.colours.extend(face.colours);
+        let clipped = model.triangles.len();
+        let filling = if is_closed(mesh) && !grid.is_empty() {
+            let voxels: Vec<u32> = (0..grid.len() as u32).collect();
+            let paint = model.intern(voxel_colours, &voxels);
+            Some(Filling { grid: grid.clone(), paint })
+        } else {
+            model.add_polygons(&section::cut_face(grid, cut), voxel_colours);
+            None
+        };
+        model.section = Some(Section { cut: *cut, clipped, filling });
         Ok(model)
     }
 
-    /// Flat convex polygons, each with the colour of its voxel.
-    fn from_polygons(polygons: &[section::Face], colours: &[Rgb]) -> Self {
-        let mut model = Self {
+    fn empty() -> Self {
+        Self {
             points: Vec::new(),
             triangles: Vec::new(),
             normals: Vec::new(),
             openness: Vec::new(),
             paint: Vec::new(),
-            colours: colours.iter().map(|c| c.linear()).collect(),
+            colours: Vec::new(),
             blend: false,
-            clip: None,
+            section: None,
+        }
+    }
+
+    /// Adds a palette and gives the place of each of its entries `used` among all colours. Unless
+    /// colours are blended, equal ones share a place: no line is drawn between them.
+    fn intern(&mut self, palette: &[Rgb], used: &[u32]) -> Vec<u32> {
+        let mut places = BTreeMap::new();
+        for (i, &colour) in self.colours.iter().enumerate() {
+            places.insert(colour.map(f32::to_bits), i as u32);
+        }
+        let place = |colour: &Rgb| {
+            let linear = colour.linear();
+            let next = self.colours.len() as u32;
+            let at = *places.entry(linear.map(f32::to_bits)).or_insert(next);
+            if at == next {
+                self.colours.push(linear);
+            }
+            at
         };
-        for face in polygons {
-            let first = model.points.len() as u32;
-            model.points.extend(&face.corners);
-            model.paint.extend(std::iter::repeat_n(face.voxel, face.corners.len()));
+        let place: Vec<u32> = palette.iter().map(place).collect();
+        used.iter().map(|&i| place[i as usize]).collect()
+    }
+
+    /// Adds flat convex polygons in the open, each with the colour of its voxel.
+    fn add_polygons(&mut self, polygons: &[section::Face], colours: &[Rgb]) {
+        let voxels: Vec<u32> = polygons.iter().map(|f| f.voxel).collect();
+        for (face, paint) in polygons.iter().zip(self.intern(colours, &voxels)) {
+            let first = self.points.len() as u32;
+            self.points.extend(&face.corners);
+            self.paint.extend(std::iter::repeat_n(paint, face.corners.len()));
+            self.openness.extend(std::iter::repeat_n(1.0, face.corners.len()));
             for i in 2..face.corners.len() as u32 {
-                model.triangles.push([first, first + i - 1, first + i]);
-                model.normals.push([face.normal.map(|x| x as f32); 3]);
+                self.triangles.push([first, first + i - 1, first + i]);
+                self.normals.push([face.normal.map(|x| x as f32); 3]);
             }
         }
-        model.openness = vec![1.0; model.points.len()];
-        model
     }
 
     /// Centre of the box around all triangles.

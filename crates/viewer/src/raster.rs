@@ -56,7 +56,8 @@ pub(crate) fn doubled_area(t: &[ScreenPoint; 3]) -> i64 {
 }
 
 /// Calls `f(x, y)` for each sample inside `width` x (`rows.0` to `rows.1`) whose centre the triangle
-/// covers, its border included, row by row.
+/// covers, row by row. A sample on the border of two triangles belongs to exactly one of them (the
+/// top-left rule), so that crossings of a closed surface can be counted.
 pub(crate) fn scan(t: &[ScreenPoint; 3], width: i64, rows: (i64, i64), mut f: impl FnMut(i64, i64)) {
     let area = doubled_area(t);
     if area == 0 {
@@ -74,7 +75,9 @@ pub(crate) fn scan(t: &[ScreenPoint; 3], width: i64, rows: (i64, i64), mut f: im
     let edge = |p: ScreenPoint, q: ScreenPoint| {
         let (dx, dy) = (q.x - p.x, q.y - p.y);
         let (sx, sy) = (x0 * UNIT + UNIT / 2 - p.x, y0 * UNIT + UNIT / 2 - p.y);
-        (dx * sy - dy * sx, -dy * UNIT, dx * UNIT)
+        // Left and top edges own the samples on them; the others lose them by the smallest step.
+        let owns = dy < 0 || (dy == 0 && dx > 0);
+        (dx * sy - dy * sx - i64::from(!owns), -dy * UNIT, dx * UNIT)
     };
     let edges = [edge(a, b), edge(b, c), edge(c, a)];
     let mut row = edges.map(|e| e.0);
@@ -117,9 +120,21 @@ mod tests {
         for i in 0..9 {
             scan(&[centre, ring[i], ring[(i + 1) % 9]], 16, (0, 16), |x, y| hits[(y * 16 + x) as usize] += 1);
         }
-        assert!(hits.iter().all(|&h| h >= 1));
-        // Only samples exactly on an edge are hit twice.
-        assert!(hits.iter().filter(|&&h| h > 1).count() < 4);
+        assert!(hits.iter().all(|&h| h == 1));
+    }
+
+    #[test]
+    fn samples_on_a_shared_edge_belong_to_one_triangle() {
+        // All edges run through centres of samples.
+        let corners = [(0.5, 0.5), (8.5, 0.5), (8.5, 8.5), (0.5, 8.5)].map(|(x, y)| point(x, y));
+        let middle = point(4.5, 4.5);
+        let mut hits = [0u32; 100];
+        for i in 0..4 {
+            let t = [corners[i], corners[(i + 1) % 4], middle];
+            scan(&t, 10, (0, 10), |x, y| hits[(y * 10 + x) as usize] += 1);
+        }
+        assert!(hits.iter().all(|&h| h <= 1));
+        assert_eq!(hits.iter().sum::<u32>(), 64);
     }
 
     #[test]

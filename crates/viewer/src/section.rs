@@ -1,6 +1,6 @@
-//! The faces that a voxel grid shows: from outside, and where a plane cuts it.
+//! What a solid shows: its voxels' faces from outside, and its inside where a plane cuts it.
 
-use mser3d_shape::VoxelGrid;
+use mser3d_shape::{TriangleMesh, VoxelGrid};
 
 use crate::model::Cut;
 use crate::vector::{Vec3, add, cross, dot, scale, sub, unit};
@@ -89,10 +89,84 @@ pub(crate) fn cut_face(grid: &VoxelGrid, cut: &Cut) -> Vec<Face> {
     faces
 }
 
+/// Coloured voxels that fill a closed surface where it is cut.
+#[derive(Clone, Debug)]
+pub(crate) struct Filling {
+    pub grid: VoxelGrid,
+    /// Index of each voxel into the model's colours.
+    pub paint: Vec<u32>,
+}
+
+impl Filling {
+    /// The colour that prevails at a point: each of the eight voxels around it votes with its
+    /// trilinear weight, which turns the steps between colours into slanted lines. Where none of the
+    /// eight is inside, the nearest voxel decides.
+    pub fn paint_at(&self, point: Vec3) -> u32 {
+        let at = self.grid.frame().locate(point).map(|x| x - 0.5);
+        let low = at.map(f64::floor);
+        let mut votes: [(u32, f64); 8] = [(u32::MAX, 0.0); 8];
+        for i in 0..8usize {
+            let mut weight = 1.0;
+            let voxel: [Option<u32>; 3] = std::array::from_fn(|a| {
+                let high = i >> a & 1 == 1;
+                let share = at[a] - low[a];
+                weight *= if high { share } else { 1.0 - share };
+                let index = low[a] + f64::from(u8::from(high));
+                (0.0..f64::from(u32::MAX)).contains(&index).then_some(index as u32)
+            });
+            let [Some(x), Some(y), Some(z)] = voxel else { continue };
+            let Some(number) = self.grid.index([x, y, z]) else { continue };
+            let paint = self.paint[number as usize];
+            if let Some(vote) = votes.iter_mut().find(|v| v.0 == paint || v.0 == u32::MAX) {
+                *vote = (paint, vote.1 + weight);
+            }
+        }
+        let best = votes.iter().fold((u32::MAX, 0.0), |best, v| if v.1 > best.1 { *v } else { best });
+        if best.0 != u32::MAX {
+            return best.0;
+        }
+        self.grid.nearest_voxels(&[point]).first().map_or(0, |&v| self.paint[v as usize])
+    }
+}
+
+/// Whether each edge has as many triangles on one side as on the other: such a surface has an inside.
+pub(crate) fn is_closed(mesh: &TriangleMesh) -> bool {
+    let mut edges: Vec<(u32, u32, i32)> = mesh
+        .triangles()
+        .iter()
+        .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
+        .map(|(a, b)| (a.min(b), a.max(b), if a < b { 1 } else { -1 }))
+        .collect();
+    edges.sort_unstable();
+    edges.chunk_by(|p, q| (p.0, p.1) == (q.0, q.1)).all(|same| same.iter().map(|e| e.2).sum::<i32>() == 0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::shapes;
+
+    #[test]
+    fn a_sphere_is_closed_until_a_triangle_is_gone_or_flipped() {
+        let sphere = shapes::sphere(6, 8);
+        assert!(is_closed(&sphere));
+        let mut triangles = sphere.triangles().to_vec();
+        triangles[3].swap(0, 1);
+        assert!(!is_closed(&TriangleMesh::new(sphere.vertices().to_vec(), triangles.clone()).unwrap()));
+        triangles.swap_remove(3);
+        assert!(!is_closed(&TriangleMesh::new(sphere.vertices().to_vec(), triangles).unwrap()));
+    }
+
+    #[test]
+    fn the_filling_takes_the_prevailing_voxel() {
+        let grid = shapes::ball(10);
+        let paint = grid.voxels().map(|v| u32::from(v[0] >= 5)).collect();
+        let filling = Filling { grid, paint };
+        assert_eq!(filling.paint_at([-0.01, 0.2, 0.1]), 0);
+        assert_eq!(filling.paint_at([0.01, 0.2, 0.1]), 1);
+        // Far outside the nearest voxel counts.
+        assert_eq!(filling.paint_at([-9.0, 0.0, 0.0]), 0);
+    }
 
     fn area(face: &Face) -> f64 {
         let first = face.corners[0];

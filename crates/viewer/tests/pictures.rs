@@ -1,0 +1,191 @@
+//! Facts about whole pictures.
+
+use mser3d_shape::{BitGrid, Frame, TriangleMesh, VoxelGrid};
+use mser3d_viewer::{
+    Colours, Cut, Image, Model, NO_REGION, PALETTE, Panel, RenderOptions, Rgb, View, ViewerError, render,
+};
+
+/// A torus around the y axis: radii 1 and 0.4.
+fn torus() -> TriangleMesh {
+    let (m, n) = (96u32, 48u32);
+    let angle = |i: u32, of: u32| std::f64::consts::TAU * f64::from(i) / f64::from(of);
+    let point = |i: u32, j: u32| {
+        let r = 1.0 + 0.4 * angle(j, n).cos();
+        [r * angle(i, m).sin(), 0.4 * angle(j, n).sin(), r * angle(i, m).cos()]
+    };
+    let points = (0..m * n).map(|v| point(v / n, v % n)).collect();
+    let at = |i: u32, j: u32| i % m * n + j % n;
+    let quads = (0..m * n).map(|v| (v / n, v % n)).flat_map(|(i, j)| {
+        [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]]
+    });
+    TriangleMesh::new(points, quads.collect()).unwrap()
+}
+
+/// The torus as voxels.
+fn torus_voxels() -> VoxelGrid {
+    let frame = Frame::new([70, 20, 70], [-1.4, -0.4, -1.4], [0.04; 3]).unwrap();
+    let mut inside = BitGrid::empty([70, 20, 70]).unwrap();
+    for v in BitGrid::full([70, 20, 70]).unwrap().ones() {
+        let [x, y, z] = frame.centre(v);
+        inside.set(v, (x.hypot(z) - 1.0).hypot(y) < 0.4);
+    }
+    VoxelGrid::solid(frame, inside).unwrap()
+}
+
+fn plain() -> RenderOptions {
+    RenderOptions { height: 300, lines: 0.0, occlusion: 0.0, ..RenderOptions::default() }
+}
+
+fn draw(model: &Model, view: View, options: &RenderOptions) -> Image {
+    render(&[Panel { model, view, caption: String::new() }], options).unwrap()
+}
+
+/// Pixels that are nearer to this colour's hue than to any other of the given ones.
+fn count(image: &Image, colour: Rgb, others: &[Rgb]) -> usize {
+    let hue = |c: Rgb| {
+        let [_, a, b] = c.oklab();
+        [a, b]
+    };
+    let apart = |p: Rgb, q: Rgb| (hue(p)[0] - hue(q)[0]).hypot(hue(p)[1] - hue(q)[1]);
+    let is = |p: &&Rgb| others.iter().all(|o| apart(**p, colour) < apart(**p, *o));
+    image.pixels().iter().filter(is).count()
+}
+
+/// Pixels per unit of length: the shape fills the height or a third of the width.
+fn scale(image: &Image, options: &RenderOptions, width: f64) -> f64 {
+    (image.width() as f64 - 2.0 * options.height as f64 * options.margin) / width
+}
+
+#[test]
+fn a_shape_covers_the_area_of_its_projection() {
+    let blue = PALETTE[5];
+    let model = Model::from_mesh(&torus(), Colours::Uniform(blue)).unwrap();
+    let image = draw(&model, View::TOP, &plain());
+    let covered = count(&image, blue, &[Rgb::WHITE]) as f64;
+    let expected =
+        std::f64::consts::PI * (1.4f64.powi(2) - 0.6f64.powi(2)) * scale(&image, &plain(), 2.8).powi(2);
+    assert!((covered / expected - 1.0).abs() < 0.02, "{covered} {expected}");
+}
+
+#[test]
+fn region_borders_divide_the_area_in_proportion() {
+    let mesh = torus();
+    let labels: Vec<i32> = mesh.vertices().iter().map(|p| if p[0] < 0.3 { 0 } else { -1 }).collect();
+    let colours = [PALETTE[5]];
+    let model = Model::from_mesh(&mesh, Colours::Regions { labels: &labels, colours: &colours }).unwrap();
+    let image = draw(&model, View::TOP, &plain());
+    let blue = count(&image, PALETTE[5], &[Rgb::WHITE]) as f64 / scale(&image, &plain(), 2.8).powi(2);
+    // Area of the ring left of x = 0.3, by the area of circular segments.
+    let right = |r: f64| r * r * (0.3 / r).acos() - 0.3 * (r * r - 0.09).sqrt();
+    let expected = std::f64::consts::PI * (1.96 - 0.36) - right(1.4) + right(0.6);
+    assert!((blue / expected - 1.0).abs() < 0.03, "{blue} {expected}");
+}
+
+#[test]
+fn a_section_shows_the_inside_and_only_it() {
+    let (mesh, grid) = (torus(), torus_voxels());
+    let (skin, flesh) = (PALETTE[5], PALETTE[1]);
+    let cut = Cut { normal: [0., 0., 1.], offset: 0.0 };
+    let voxels = vec![flesh; grid.len()];
+    let model = Model::from_section(&mesh, Colours::Uniform(skin), &grid, &voxels, &cut).unwrap();
+    let image = draw(&model, View::FRONT, &plain());
+    // Two discs of radius 0.4.
+    let found = count(&image, flesh, &[Rgb::WHITE, skin]) as f64 / scale(&image, &plain(), 2.8).powi(2);
+    assert!((found / (2.0 * std::f64::consts::PI * 0.16) - 1.0).abs() < 0.03, "{found}");
+    // From behind, the cut is hidden.
+    assert_eq!(count(&draw(&model, View::BACK, &plain()), flesh, &[Rgb::WHITE, skin]), 0);
+}
+
+#[test]
+fn an_open_surface_is_filled_by_its_voxels() {
+    let (mesh, grid) = (torus(), torus_voxels());
+    let open = TriangleMesh::new(mesh.vertices().to_vec(), mesh.triangles()[20..].to_vec()).unwrap();
+    let cut = Cut { normal: [0., 0., 1.], offset: 0.01 };
+    let voxels = vec![PALETTE[1]; grid.len()];
+    let model = Model::from_section(&open, Colours::Uniform(PALETTE[5]), &grid, &voxels, &cut).unwrap();
+    let image = draw(&model, View::FRONT, &plain());
+    let found = count(&image, PALETTE[1], &[Rgb::WHITE, PALETTE[5]]) as f64;
+    let expected = 2.0 * std::f64::consts::PI * 0.16 * scale(&image, &plain(), 2.8).powi(2);
+    assert!((found / expected - 1.0).abs() < 0.08, "{found} {expected}");
+}
+
+#[test]
+fn voxels_keep_their_own_colours() {
+    let grid = torus_voxels();
+    let colours: Vec<Rgb> = grid.voxels().map(|v| if v[0] < 35 { PALETTE[5] } else { PALETTE[1] }).collect();
+    let model = Model::from_voxels(&grid, &colours, None).unwrap();
+    let image = draw(&model, View::TOP, &plain());
+    let [left, right] =
+        [(5, 1), (1, 5)].map(|(a, b)| count(&image, PALETTE[a], &[Rgb::WHITE, PALETTE[b]]) as f64);
+    assert!((left / right - 1.0).abs() < 0.01, "{left} {right}");
+}
+
+#[test]
+fn the_number_of_threads_changes_no_byte() {
+    let mesh = torus();
+    let heights: Vec<f64> = mesh.vertices().iter().map(|p| p[1]).collect();
+    let colours = mser3d_viewer::sequential_colours(&heights);
+    let sheet = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let model = Model::from_mesh(&mesh, Colours::Vertices(&colours)).unwrap();
+            render(&Panel::around(&model), &RenderOptions { height: 200, ..Default::default() }).unwrap()
+        })
+    };
+    assert_eq!(sheet(1), sheet(4));
+}
+
+#[test]
+fn panels_share_one_scale_and_wrap_into_rows() {
+    let mesh = torus();
+    let half = mesh.with_vertices(mesh.vertices().iter().map(|p| p.map(|x| x / 2.0)).collect()).unwrap();
+    let [big, small] = [&mesh, &half].map(|m| Model::from_mesh(m, Colours::Uniform(PALETTE[5])).unwrap());
+    let panels = [&big, &small].map(|model| Panel { model, view: View::TOP, caption: String::new() });
+    let row = render(&panels, &plain()).unwrap();
+    let column = render(&panels, &RenderOptions { columns: 1, ..plain() }).unwrap();
+    let half_of = |image: &Image, left: bool| {
+        let picked = image
+            .pixels()
+            .iter()
+            .enumerate()
+            .filter(|(i, p)| (i % image.width() < row.height()) == left && **p != Rgb::WHITE);
+        picked.count() as f64
+    };
+    assert!((half_of(&row, true) / half_of(&row, false) - 4.0).abs() < 0.2);
+    assert_eq!(column.height(), 2 * row.height());
+}
+
+#[test]
+fn mistakes_are_named() {
+    let mesh = torus();
+    let error = |colours| Model::from_mesh(&mesh, colours).unwrap_err();
+    assert!(matches!(error(Colours::Vertices(&[NO_REGION])), ViewerError::SizeMismatch { found: 1, .. }));
+    let mut labels = vec![0; mesh.vertices().len()];
+    labels[7] = 3;
+    let text = error(Colours::Regions { labels: &labels, colours: &PALETTE[..3] }).to_string();
+    assert_eq!(text, "vertex 7 names region 3, but there are only 3 (numbered from 0)");
+    let empty = TriangleMesh::new(vec![[0.0; 3]], vec![]).unwrap();
+    assert!(matches!(Model::from_mesh(&empty, Colours::Uniform(NO_REGION)), Err(ViewerError::Empty { .. })));
+    let model = Model::from_mesh(&mesh, Colours::Uniform(NO_REGION)).unwrap();
+    let wrong = RenderOptions { supersampling: 0, ..Default::default() };
+    assert!(matches!(render(&Panel::around(&model), &wrong), Err(ViewerError::BadOption { .. })));
+    assert!(matches!(render(&[], &Default::default()), Err(ViewerError::Empty { .. })));
+    let nowhere = Cut { normal: [0.0; 3], offset: 0.0 };
+    let grid = torus_voxels();
+    let colours = vec![NO_REGION; grid.len()];
+    assert!(matches!(
+        Model::from_voxels(&grid, &colours, Some(&nowhere)),
+        Err(ViewerError::BadOption { .. })
+    ));
+}
+
+#[test]
+fn a_flat_or_tiny_shape_is_drawn_without_trouble() {
+    for size in [1e-300, 1.0, 1e150] {
+        let corners = vec![[0.0; 3], [size, 0.0, 0.0], [0.0, size, 0.0]];
+        let mesh = TriangleMesh::new(corners, vec![[0, 1, 2]]).unwrap();
+        let model = Model::from_mesh(&mesh, Colours::Uniform(PALETTE[5])).unwrap();
+        let sheet = render(&Panel::around(&model), &plain()).unwrap();
+        assert!(count(&sheet, PALETTE[5], &[Rgb::WHITE]) > 1000, "{size}");
+    }
+}
