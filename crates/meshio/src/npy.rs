@@ -174,7 +174,8 @@ pub(crate) struct Stored {
 
 /// Reads a `.npy` file; trailing bytes are ignored.
 pub(crate) fn parse(bytes: &[u8]) -> Result<Stored, Fault> {
-    let truncated = || Fault::new("the .npy file ends within its header; it is truncated");
+    let truncated =
+        || Fault::new("the .npy file ends within its header; it is truncated; copy or export it again");
     let rest = bytes
         .strip_prefix(MAGIC)
         .ok_or_else(|| Fault::new("not a .npy file; save the array with numpy.save"))?;
@@ -218,7 +219,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Stored, Fault> {
     let data = data.get(..needed).ok_or_else(|| {
         let held = data.len();
         Fault::new(format!(
-            "shape {shape:?} needs {needed} bytes, but the file holds {held}; it is truncated"
+            "shape {shape:?} needs {needed} bytes, but the file holds {held}; it is truncated; copy or export it again"
         ))
     })?;
     let values = NpyValues::read(if descriptor == "|b1" { "|u1" } else { descriptor }, data)

@@ -34,6 +34,9 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
         }
     }
 
+    if vertices.is_empty() && statements.is_empty() {
+        return Err(Fault::new("there is no vertex and no face of OBJ in it; is it of another format?"));
+    }
     let options = tobj::LoadOptions { ignore_points: true, ignore_lines: true, ..Default::default() };
     // Without material statements there are no material files to load.
     let (models, _) =

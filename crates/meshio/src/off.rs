@@ -28,7 +28,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
             lines.number(),
             format!(
                 "{vertex_count} vertices and {face_count} faces are declared, more than {} bytes can hold; \
-                 the file is truncated or its counts are wrong",
+                 the file is truncated or its counts are wrong; copy or export it again",
                 bytes.len()
             ),
         ));
@@ -76,7 +76,10 @@ fn header(lines: &mut Lines) -> Result<(u64, u64), Fault> {
     if words.clone().next().is_some() {
         return counts(words);
     }
-    let end = Fault::at(lines.number(), "the file ends before the counts; it is truncated");
+    let end = Fault::at(
+        lines.number(),
+        "the file ends before the counts; it is truncated; copy or export it again",
+    );
     counts(lines.next_full().ok_or(end)?.words())
 }
 
@@ -85,7 +88,7 @@ fn next<'a>(lines: &mut Lines<'a>, what: &str, read: usize, declared: u64) -> Re
         Fault::at(
             lines.number(),
             format!(
-                "the file ends after {read} of {declared} {what}; it is truncated or its counts are wrong"
+                "the file ends after {read} of {declared} {what}; it is truncated or its counts are wrong; copy or export it again"
             ),
         )
     })

@@ -105,10 +105,11 @@ pub fn read_mesh_from(
         MeshFormat::Off => off::parse(bytes).map_err(fault)?,
         MeshFormat::Ply => ply::parse(bytes).map_err(fault)?,
         MeshFormat::Stl => stl::parse(bytes).map_err(fault)?,
-        MeshFormat::Gltf | MeshFormat::Glb => gltf::parse(bytes, path, options)?,
+        MeshFormat::Gltf | MeshFormat::Glb => gltf::parse(format, bytes, path, options)?,
     };
     let Parsed { vertices, triangles, weld, polygons, notes } = parsed;
-    if vertices.is_empty() {
+    // Where vertices come with their triangles, it is the triangles that are missing.
+    if vertices.is_empty() && weld.is_none() {
         return Err(fault(Fault::new("the file has no vertices; export the mesh again")));
     }
     if triangles.is_empty() {

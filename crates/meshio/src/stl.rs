@@ -57,13 +57,13 @@ fn binary(bytes: &[u8], soup: &mut Soup) -> Result<(), Fault> {
     let Some(count) = declared(bytes) else {
         return Err(Fault::new(
             "neither ASCII STL (which begins with \"solid\") nor a whole binary header of 84 bytes; \
-             the file is truncated or no STL",
+             the file is truncated or no STL; copy or export it again",
         ));
     };
     let held = (bytes.len() - HEADER) / RECORD;
     if count > held as u64 {
         return Err(Fault::new(format!(
-            "{count} triangles are declared, but the file holds {held}; it is truncated or no STL"
+            "{count} triangles are declared, but the file holds {held}; it is truncated or no STL; copy or export it again"
         )));
     }
     for (number, record) in bytes[HEADER..].chunks_exact(RECORD).take(count as usize).enumerate() {
@@ -112,7 +112,10 @@ fn ascii(bytes: &[u8], soup: &mut Soup) -> Result<(), Fault> {
         }
     }
     if !ended || corners != 0 {
-        return Err(Fault::at(lines.number(), "the file ends without endsolid; it is truncated"));
+        return Err(Fault::at(
+            lines.number(),
+            "the file ends without endsolid; it is truncated; copy or export it again",
+        ));
     }
     Ok(())
 }

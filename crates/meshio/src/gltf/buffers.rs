@@ -1,18 +1,23 @@
 //! The bytes that a glTF file is about: its binary chunk, data URIs, files beside it.
 
-use crate::MeshIoError;
 use crate::error::Fault;
+use crate::{MeshFormat, MeshIoError};
 use base64::Engine;
 use gltf::json;
 use std::borrow::Cow;
 use std::path::Path;
 
 /// The JSON and the binary chunk of a glTF or GLB file.
-pub(super) fn split(bytes: &[u8]) -> Result<(json::Root, Option<Cow<'_, [u8]>>), Fault> {
-    let (text, chunk) = if bytes.starts_with(b"glTF") {
+pub(super) fn split(format: MeshFormat, bytes: &[u8]) -> Result<(json::Root, Option<Cow<'_, [u8]>>), Fault> {
+    let (text, chunk) = if format == MeshFormat::Glb {
+        if !bytes.starts_with(b"glTF") {
+            return Err(Fault::new("a GLB file begins with glTF; this one doesn't"));
+        }
         let length = bytes.get(8..12).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
         if length.is_none_or(|n| (n as usize) < 12 || n as usize > bytes.len()) {
-            return Err(Fault::new("the file is shorter than its header says; it is truncated"));
+            return Err(Fault::new(
+                "the file is shorter than its header says; it is truncated; copy or export it again",
+            ));
         }
         let glb = gltf::Glb::from_slice(bytes)
             .map_err(|e| Fault::new(format!("not a GLB file of version 2: {}", reason(&e))))?;
@@ -57,7 +62,7 @@ pub(super) fn load<'a>(
         };
         if buffer.byte_length.0 > data.len() as u64 {
             return Err(fault(format!(
-                "{} bytes are declared, but there are {}; it is truncated",
+                "{} bytes are declared, but there are {}; it is truncated; copy or export it again",
                 buffer.byte_length.0,
                 data.len()
             )));

@@ -35,15 +35,20 @@ const UNREADABLE: [&str; 4] = [
 pub fn list_animations(path: &Path) -> Result<Vec<AnimationInfo>, MeshIoError> {
     let bytes = read_bytes(path)?;
     match MeshFormat::of(path, &bytes)? {
-        MeshFormat::Gltf | MeshFormat::Glb => {
-            animation::list(&open(&bytes, path)?).map_err(|fault| fault.in_file(path))
+        format @ (MeshFormat::Gltf | MeshFormat::Glb) => {
+            animation::list(&open(format, &bytes, path)?).map_err(|fault| fault.in_file(path))
         }
         _ => Ok(Vec::new()),
     }
 }
 
-pub(crate) fn parse(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Parsed, MeshIoError> {
-    let asset = open(bytes, path)?;
+pub(crate) fn parse(
+    format: MeshFormat,
+    bytes: &[u8],
+    path: &Path,
+    options: &ReadOptions,
+) -> Result<Parsed, MeshIoError> {
+    let asset = open(format, bytes, path)?;
     let animation = match &options.animation {
         None => None,
         Some(wanted) => Some(choose(&asset, wanted, path)?),
@@ -51,9 +56,9 @@ pub(crate) fn parse(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<
     assemble(&asset, animation, options.time).map_err(|fault| fault.in_file(path))
 }
 
-fn open<'a>(bytes: &'a [u8], path: &Path) -> Result<Asset<'a>, MeshIoError> {
+fn open<'a>(format: MeshFormat, bytes: &'a [u8], path: &Path) -> Result<Asset<'a>, MeshIoError> {
     let fault = |fault: Fault| fault.in_file(path);
-    let (root, chunk) = buffers::split(bytes).map_err(fault)?;
+    let (root, chunk) = buffers::split(format, bytes).map_err(fault)?;
     if let Some(name) = root.extensions_required.iter().find(|e| UNREADABLE.contains(&e.as_str())) {
         let reason =
             format!("the file needs {name}, which is not supported; export it without (no compression)");

@@ -114,7 +114,10 @@ impl Header {
                 Some(word) => return Err(fault(format!("{} has no place in a PLY header", show(word)))),
             }
         }
-        Err(Fault::at(lines.number(), "the file ends before end_header; it is truncated"))
+        Err(Fault::at(
+            lines.number(),
+            "the file ends before end_header; it is truncated; copy or export it again",
+        ))
     }
 }
 

@@ -30,7 +30,7 @@ fn body(header: &Header, values: &mut impl Values) -> Result<Parsed, Fault> {
                 element.line,
                 format!(
                     "{} elements \"{}\" are declared, more than the rest of the file holds ({} bytes); \
-                     it is truncated or the count is wrong",
+                     it is truncated or the count is wrong; copy or export it again",
                     element.count,
                     element.name,
                     values.left()

@@ -60,7 +60,7 @@ impl Values for AsciiValues<'_> {
         let Some(line) = self.lines.next_full() else {
             let Element { count, name, .. } = element;
             return Err(self.fault(format!(
-                "the file ends after {number} of {count} elements \"{name}\"; it is truncated or the count is wrong"
+                "the file ends after {number} of {count} elements \"{name}\"; it is truncated or the count is wrong; copy or export it again"
             )));
         };
         self.words = line.words();
@@ -94,9 +94,10 @@ impl<'a> BinaryValues<'a> {
     #[inline]
     fn take<const N: usize>(&mut self) -> Result<[u8; N], Fault> {
         let Some((&bytes, rest)) = self.rest.split_first_chunk::<N>() else {
-            return Err(
-                self.fault(format!("the file ends within the elements \"{}\"; it is truncated", self.place))
-            );
+            return Err(self.fault(format!(
+                "the file ends within the elements \"{}\"; it is truncated; copy or export it again",
+                self.place
+            )));
         };
         self.rest = rest;
         let mut bytes = bytes;

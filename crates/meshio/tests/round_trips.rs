@@ -1,0 +1,106 @@
+//! What is written is read back.
+
+use mser3d_meshio::{
+    ReadOptions, VertexAttributes, VoxelField, VoxelValues, read_mesh, write_glb, write_off, write_ply,
+    write_vti,
+};
+use mser3d_shape::{BitGrid, Frame, TriangleMesh, VoxelGrid};
+use std::path::PathBuf;
+
+/// Duplicates, an unused vertex, coordinates that need 17 digits, a degenerate triangle.
+fn mesh() -> TriangleMesh {
+    let vertices = vec![
+        [9.0, 9.0, 9.0],
+        [0.1, -0.0, 1e-300],
+        [1.0 / 3.0, 1e20, 0.0],
+        [0.1, 0.0, 0.0],
+        [0.0, 1.0, 16777217.0],
+        [0.0, 1.0, 16777217.0],
+    ];
+    TriangleMesh::new(vertices, vec![[4, 3, 1], [1, 2, 5], [2, 2, 3]]).unwrap()
+}
+
+fn folder() -> (tempfile::TempDir, impl Fn(&str) -> PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().to_path_buf();
+    (folder, move |name| path.join(name))
+}
+
+#[test]
+fn off_and_ply_keep_every_bit_and_the_order() {
+    let (_folder, path) = folder();
+    let mesh = mesh();
+    let colors = vec![[1, 2, 3]; 6];
+    let regions: Vec<i32> = (-1..5).collect();
+    let normals = vec![[0.0, 0.0, 1.0]; 6];
+    let all = VertexAttributes { colors: Some(&colors), regions: Some(&regions), normals: Some(&normals) };
+    write_off(&path("a.off"), &mesh).unwrap();
+    write_ply(&path("plain.ply"), &mesh, &VertexAttributes::default()).unwrap();
+    write_ply(&path("full.ply"), &mesh, &all).unwrap();
+    for name in ["a.off", "plain.ply", "full.ply"] {
+        let read = read_mesh(&path(name), &ReadOptions::default()).unwrap();
+        assert_eq!(read.mesh, mesh, "{name}");
+        let bits = |m: &TriangleMesh| m.vertices().iter().flatten().map(|x| x.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&read.mesh), bits(&mesh), "{name}");
+        assert!(read.weld.is_none() && read.notes.is_empty());
+    }
+    let short = VertexAttributes { colors: Some(&colors[..5]), ..all };
+    let error = write_ply(&path("short.ply"), &mesh, &short).unwrap_err();
+    assert_eq!(error.to_string(), "vertex colors: 5 given, 6 needed");
+    assert!(!path("short.ply").exists());
+}
+
+#[test]
+fn glb_comes_back_welded_in_single_precision() {
+    let (_folder, path) = folder();
+    let mesh = mesh();
+    let (colors, regions) = (vec![[255, 0, 128]; 6], vec![-1; 6]);
+    let attributes = VertexAttributes { colors: Some(&colors), regions: Some(&regions), normals: None };
+    write_glb(&path("a.glb"), &mesh, &attributes).unwrap();
+    let read = read_mesh(&path("a.glb"), &ReadOptions::default()).unwrap();
+    // 1e-300 is 0 in f32, so 1 and 3 meet; so do 4 and 5.
+    assert_eq!(read.weld.as_deref(), Some(&[0, 1, 2, 1, 3, 3][..]));
+    assert_eq!(read.mesh.triangles(), [[1, 2, 3]]);
+    assert_eq!(read.notes, ["2 triangles with two equal corners left out"]);
+    assert_eq!(read.mesh.vertices()[3], [0.0, 1.0, 16777216.0]);
+
+    let huge = mesh.with_vertices(vec![[1e39; 3]; 6]).unwrap();
+    assert!(write_glb(&path("b.glb"), &huge, &VertexAttributes::default()).is_err());
+}
+
+#[test]
+fn vti_holds_the_box_x_fastest() {
+    let (_folder, path) = folder();
+    let dims = [3, 2, 2];
+    let mut inside = BitGrid::empty(dims).unwrap();
+    for voxel in [[0, 0, 0], [2, 1, 0], [1, 0, 1]] {
+        inside.set(voxel, true);
+    }
+    let grid = VoxelGrid::solid(Frame::new(dims, [1.5, 0.0, -2.0], [0.5; 3]).unwrap(), inside).unwrap();
+    let (labels, numbers) = ([7, -1, 9], [0.5, 1.5, 2.5]);
+    let fields = [
+        VoxelField { name: "region", values: VoxelValues::Labels(&labels) },
+        VoxelField { name: "heat", values: VoxelValues::Numbers(&numbers) },
+    ];
+    write_vti(&path("a.vti"), &grid, &fields).unwrap();
+    let bytes = std::fs::read(path("a.vti")).unwrap();
+    let start = bytes.windows(2).position(|w| w == b"\n_").unwrap() + 2;
+    let header = std::str::from_utf8(&bytes[..start]).unwrap();
+    assert!(header.contains(r#"WholeExtent="0 3 0 2 0 2" Origin="1.5 0.0 -2.0" Spacing="0.5 0.5 0.5""#));
+    let data = &bytes[start..];
+    assert_eq!(data[..8], 48u64.to_le_bytes());
+    let region: Vec<i32> = data[8..56].as_chunks().0.iter().map(|&b| i32::from_le_bytes(b)).collect();
+    assert_eq!(region, [7, -2, -2, -2, -2, -1, -2, 9, -2, -2, -2, -2]);
+    let at = header.find(r#"Name="heat""#).unwrap();
+    assert!(header[at..].contains(r#"offset="56""#));
+    let heat: Vec<f64> = data[64..160].as_chunks().0.iter().map(|&b| f64::from_le_bytes(b)).collect();
+    assert_eq!((heat[0], heat[5], heat[7]), (0.5, 1.5, 2.5));
+    assert_eq!(heat.iter().filter(|x| x.is_nan()).count(), 9);
+    assert_eq!(data[168..180], [1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0]);
+
+    let short = [VoxelField { name: "region", values: VoxelValues::Labels(&labels[..2]) }];
+    assert!(write_vti(&path("b.vti"), &grid, &short).is_err());
+    let taken = [VoxelField { name: "inside", values: VoxelValues::Labels(&labels) }];
+    assert!(write_vti(&path("b.vti"), &grid, &taken).is_err());
+    assert!(!path("b.vti").exists());
+}
