@@ -48,6 +48,12 @@ pub enum TreeError {
         /// How many there may be.
         limit: u128,
     },
+    /// 26 neighbours were asked of a voxel grid whose diagonal links were never determined.
+    #[error("the grid has no diagonal links; voxelize with 26-connectivity to use 26 neighbours")]
+    DiagonalsUnknown,
+    /// A graph or grid that cannot be.
+    #[error(transparent)]
+    Shape(#[from] mser3d_shape::ShapeError),
     /// A parameter is out of its range.
     #[error("{name} is {value}, but must be {requirement}")]
     BadParameter {

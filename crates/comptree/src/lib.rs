@@ -36,18 +36,22 @@
 
 mod edge_tree;
 mod error;
+mod grey;
 mod layout;
 mod order;
 mod petgraph;
 mod pool;
 mod stability;
+mod topology;
 mod tree;
 mod vertex_tree;
 
 pub use error::TreeError;
+pub use grey::GreyValue;
 pub use order::{Polarity, Volumes};
 pub use pool::{PoolParameters, PooledRegion, pool};
 pub use stability::{
     AltitudeScale, Mode, Selection, SelectionReport, StabilityParameters, StableRegion, stable_regions,
 };
+pub use topology::Stencil;
 pub use tree::ComponentTree;

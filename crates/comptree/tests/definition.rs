@@ -155,7 +155,7 @@ fn both_zeros_are_one_altitude() {
 
 #[test]
 fn nothing_one_vertex_and_a_vertex_without_edges() {
-    let none = ComponentTree::from_vertex_weights(&[], &[], 1.0, Polarity::Sublevel).unwrap();
+    let none = ComponentTree::from_vertex_weights::<f64>(&[], &[], 1.0, Polarity::Sublevel).unwrap();
     assert!(none.is_empty() && none.roots().next().is_none() && none.total_volume() == 0.0);
     let one = ComponentTree::from_vertex_weights(&[], &[7.0], 2.5, Polarity::Sublevel).unwrap();
     assert_eq!((one.len(), one.altitude(0), one.volume(0), one.parent(0)), (1, 7.0, 2.5, None));

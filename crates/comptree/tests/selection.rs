@@ -175,7 +175,7 @@ fn parameters_out_of_range_are_named() {
 
 #[test]
 fn degenerate_trees_have_defined_selections() {
-    let empty = ComponentTree::from_vertex_weights(&[], &[], 1.0, Polarity::Sublevel).unwrap();
+    let empty = ComponentTree::from_vertex_weights::<f64>(&[], &[], 1.0, Polarity::Sublevel).unwrap();
     assert!(stable_regions(&empty, &StabilityParameters::default()).unwrap().regions.is_empty());
     // One component is the whole shape, larger than the maximum volume.
     assert!(stable_regions(&tree(&[1.0; 5]), &StabilityParameters::default()).unwrap().regions.is_empty());

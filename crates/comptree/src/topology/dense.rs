@@ -1,0 +1,222 @@
+use std::ops::Range;
+
+use super::{Topology, lower, split_evenly};
+use crate::{GreyValue, TreeError};
+
+/// Which pixels or voxels are neighbours.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Stencil {
+    /// In the plane, pixels that share a side.
+    Four,
+    /// In the plane, pixels that share a side or a corner.
+    Eight,
+    /// Voxels that share a face.
+    #[default]
+    Six,
+    /// Voxels that share a face or an edge.
+    Eighteen,
+    /// Voxels that share a face, an edge or a corner.
+    TwentySix,
+}
+
+impl Stencil {
+    /// How many neighbours a vertex inside has.
+    pub fn size(self) -> usize {
+        match self {
+            Self::Four => 4,
+            Self::Eight => 8,
+            Self::Six => 6,
+            Self::Eighteen => 18,
+            Self::TwentySix => 26,
+        }
+    }
+
+    /// Whether a step to a neighbouring position, not zero, leads to a neighbour.
+    pub(crate) fn allows(self, [x, y, z]: [i32; 3]) -> bool {
+        let distance = x.abs() + y.abs() + z.abs();
+        match self {
+            Self::Four => z == 0 && distance == 1,
+            Self::Eight => z == 0,
+            Self::Six => distance == 1,
+            Self::Eighteen => distance <= 2,
+            Self::TwentySix => true,
+        }
+    }
+
+    /// All steps to neighbours, by ascending vertex number.
+    pub(crate) fn steps(self) -> impl Iterator<Item = [i32; 3]> {
+        let steps = |z| (-1..=1).flat_map(move |y| (-1..=1).map(move |x| [x, y, z]));
+        (-1..=1).flat_map(steps).filter(move |&s| s != [0; 3] && self.allows(s))
+    }
+}
+
+/// All voxels of a box, x fastest.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DenseGrid {
+    dims: [usize; 3],
+    stencil: Stencil,
+}
+
+impl DenseGrid {
+    /// # Errors
+    /// [`TreeError::TooMany`] beyond [`super::super::vertex_tree::MAX_VERTICES`].
+    pub fn new(dims: [usize; 3], stencil: Stencil) -> Result<Self, TreeError> {
+        let count = dims.iter().fold(1u128, |a, &d| a.saturating_mul(d as u128));
+        crate::vertex_tree::check_limit("voxels in the grid", count)?;
+        Ok(Self { dims, stencil })
+    }
+
+    /// The steps possible from a row, as offsets of vertex numbers and as steps along x.
+    fn row_steps(&self, row: usize) -> Vec<(isize, i32)> {
+        let [nx, ny, nz] = self.dims;
+        let (j, k) = (row % ny, row / ny);
+        let fits = |at: usize, step: i32, n: usize| (0..n as i64).contains(&(at as i64 + i64::from(step)));
+        let inside = |s: &[i32; 3]| fits(j, s[1], ny) && fits(k, s[2], nz);
+        let offset =
+            |s: [i32; 3]| ((s[2] as isize * ny as isize + s[1] as isize) * nx as isize + s[0] as isize, s[0]);
+        self.stencil.steps().filter(inside).map(offset).collect()
+    }
+
+    /// Calls `f` with each row of the range and its steps, which are the same along a row.
+    fn rows(&self, range: Range<usize>, mut f: impl FnMut(Range<usize>, &[(isize, i32)])) {
+        let [nx, ny, _] = self.dims;
+        let border = |row: usize| {
+            let (j, k) = (row % ny, row / ny);
+            [j == 0, j + 1 == ny, k == 0, k + 1 == self.dims[2]]
+        };
+        let mut known: Option<([bool; 4], Vec<(isize, i32)>)> = None;
+        for row in range.start / nx..range.end.div_ceil(nx) {
+            if known.as_ref().is_none_or(|(at, _)| *at != border(row)) {
+                known = Some((border(row), self.row_steps(row)));
+            }
+            if let Some((_, steps)) = &known {
+                f(row * nx..(row + 1) * nx, steps);
+            }
+        }
+    }
+}
+
+/// The least of a vertex and its neighbours at both ends of a row.
+fn least_at_border<V: GreyValue, const DOWN: bool>(
+    values: &[V],
+    v: usize,
+    steps: impl Iterator<Item = isize>,
+) -> u32 {
+    let mut best = v;
+    for w in steps.map(|o| v.wrapping_add_signed(o)) {
+        if lower::<V, DOWN>(values[w], values[best]) || values[w] == values[best] && w < best {
+            best = w;
+        }
+    }
+    best as u32
+}
+
+/// The same for all of `range`, from which all `K` offsets lead inside; the first `back` lead back,
+/// from near to far, the others forward, from near to far. So ties go to the smaller number without
+/// comparing numbers.
+#[inline(always)]
+fn least_inside<V: GreyValue, const DOWN: bool, const K: usize>(
+    values: &[V],
+    range: Range<usize>,
+    offsets: [isize; K],
+    back: usize,
+    f: &mut impl FnMut(u32, u32),
+) {
+    let len = range.len();
+    let shifted = |o: isize| &values[range.start.wrapping_add_signed(o)..][..len];
+    let centre = shifted(0);
+    let around = offsets.map(shifted);
+    for i in 0..len {
+        let v = range.start + i;
+        let (mut best, mut least) = (v, centre[i]);
+        for k in 0..K {
+            let x = around[k][i];
+            let takes = if k < back { !lower::<V, DOWN>(least, x) } else { lower::<V, DOWN>(x, least) };
+            best = if takes { v.wrapping_add_signed(offsets[k]) } else { best };
+            least = if takes { x } else { least };
+        }
+        f(v as u32, best as u32);
+    }
+}
+
+impl Topology for DenseGrid {
+    fn len(&self) -> usize {
+        self.dims.iter().product()
+    }
+
+    fn split(&self, parts: usize) -> Vec<Range<usize>> {
+        split_evenly(self.len(), self.dims[0], parts)
+    }
+
+    fn visit(&self, range: Range<usize>, mut f: impl FnMut(u32, &[u32])) {
+        let nx = self.dims[0] as i64;
+        let mut neighbours = Vec::with_capacity(26);
+        self.rows(range, |row, steps| {
+            for (i, v) in row.enumerate() {
+                neighbours.clear();
+                let inside = |step: &&(isize, i32)| (0..nx).contains(&(i as i64 + i64::from(step.1)));
+                neighbours.extend(steps.iter().filter(inside).map(|s| v.wrapping_add_signed(s.0) as u32));
+                f(v as u32, &neighbours);
+            }
+        });
+    }
+
+    fn descend<V: GreyValue, const DOWN: bool>(
+        &self,
+        range: Range<usize>,
+        values: &[V],
+        mut f: impl FnMut(u32, u32),
+    ) {
+        let nx = self.dims[0];
+        self.rows(range, |row, steps| {
+            let first = steps.iter().filter(|s| s.1 >= 0 && (nx > 1 || s.1 == 0)).map(|s| s.0);
+            f(row.start as u32, least_at_border::<V, DOWN>(values, row.start, first));
+            if nx > 2 {
+                let inner = row.start + 1..row.end - 1;
+                let back = steps.iter().filter(|s| s.0 < 0).count();
+                // Back steps from near to far, then forward ones.
+                let at = |k: usize| if k < back { steps[back - 1 - k].0 } else { steps[k].0 };
+                match steps.len() {
+                    6 => least_inside::<V, DOWN, 6>(values, inner, std::array::from_fn(at), back, &mut f),
+                    26 => least_inside::<V, DOWN, 26>(values, inner, std::array::from_fn(at), back, &mut f),
+                    4 => least_inside::<V, DOWN, 4>(values, inner, std::array::from_fn(at), back, &mut f),
+                    8 => least_inside::<V, DOWN, 8>(values, inner, std::array::from_fn(at), back, &mut f),
+                    18 => least_inside::<V, DOWN, 18>(values, inner, std::array::from_fn(at), back, &mut f),
+                    _ => {
+                        for v in inner {
+                            let all = steps.iter().map(|s| s.0);
+                            f(v as u32, least_at_border::<V, DOWN>(values, v, all));
+                        }
+                    }
+                }
+            }
+            if nx > 1 {
+                let last = steps.iter().filter(|s| s.1 <= 0).map(|s| s.0);
+                f(row.end as u32 - 1, least_at_border::<V, DOWN>(values, row.end - 1, last));
+            }
+        });
+    }
+
+    fn boundary(&self, range: Range<usize>, labels: &[u32], mut f: impl FnMut(u32, u32)) {
+        /// Most blocks lie in one basin: they are compared whole.
+        const BLOCK: usize = 64;
+        self.rows(range, |row, steps| {
+            for &(offset, x) in steps.iter().filter(|s| s.0 > 0) {
+                let start = row.start + usize::from(x < 0);
+                let end = row.end - usize::from(x > 0);
+                let mut at = start;
+                while at < end {
+                    let stop = end.min(at + BLOCK);
+                    let to = at.wrapping_add_signed(offset);
+                    let (here, there) = (&labels[at..stop], &labels[to..to + (stop - at)]);
+                    if here != there {
+                        for i in (0..here.len()).filter(|&i| here[i] != there[i]) {
+                            f((at + i) as u32, (to + i) as u32);
+                        }
+                    }
+                    at = stop;
+                }
+            }
+        });
+    }
+}

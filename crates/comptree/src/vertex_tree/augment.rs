@@ -1,0 +1,330 @@
+use std::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
+use rayon::prelude::*;
+
+use super::Field;
+use super::arcs::Arcs;
+use crate::GreyValue;
+use crate::order::NONE;
+use crate::tree::Nodes;
+
+/// Vertices to sort at once, on average.
+const BIN: usize = 256;
+
+/// Sorts the vertices along their arcs and makes nodes of them. `labels` are the vertices' basins.
+pub(super) fn place<V: GreyValue>(
+    field: &Field<'_, V>,
+    mut labels: Vec<u32>,
+    arcs: &Arcs,
+    parts: usize,
+) -> Nodes {
+    let n = labels.len();
+    let step = n.div_ceil(parts.max(1)).max(1);
+    let members: Vec<Members> = labels
+        .par_chunks_mut(step)
+        .enumerate()
+        .map(|(part, labels)| climb(field, labels, part * step, arcs))
+        .collect();
+    let order = Order::new(arcs, members, field.top);
+    let pairs = order.scatter(field, labels, step);
+    let (vertices, altitudes, ties) = order.sort(field, pairs);
+    order.nodes(vertices, altitudes, ties, arcs)
+}
+
+/// What one range of vertices has on each arc.
+struct Members {
+    count: Vec<u32>,
+    first: Vec<u32>,
+}
+
+/// Turns the basins of a range of vertices into arcs.
+fn climb<V: GreyValue>(field: &Field<'_, V>, labels: &mut [u32], start: usize, arcs: &Arcs) -> Members {
+    let mut members = Members { count: vec![0; arcs.parents.len()], first: vec![NONE; arcs.parents.len()] };
+    // Next to each other most vertices lie on one arc.
+    let (mut basin, mut arc, mut span) = (NONE, NONE, f64::INFINITY..f64::INFINITY);
+    for (i, label) in labels.iter_mut().enumerate() {
+        let v = (start + i) as u32;
+        let level = field.level(v);
+        if *label != basin || !span.contains(&level) {
+            basin = *label;
+            arc = arcs.climb(arcs.of_basin[basin as usize], level);
+            let parent = arcs.parents[arc as usize];
+            let end = if parent == NONE { f64::INFINITY } else { arcs.births[parent as usize] };
+            span = arcs.births[arc as usize]..end;
+        }
+        *label = arc;
+        members.count[arc as usize] += 1;
+        members.first[arc as usize] = members.first[arc as usize].min(v);
+    }
+    members
+}
+
+/// The arcs in postorder, and the bins of vertices along them.
+struct Order {
+    /// Arcs in postorder, siblings by their smallest vertex.
+    arcs: Vec<u32>,
+    /// Where the vertices of the arcs begin, in postorder, and their number.
+    starts: Vec<u32>,
+    /// The bins of each arc, by its number.
+    bins: Vec<Bins>,
+    bin_count: usize,
+}
+
+/// A map from levels to bins that never falls: bins of one arc hold ascending levels.
+#[derive(Clone, Copy)]
+struct Bins {
+    first: u32,
+    last: u32,
+    low: f64,
+    scale: f64,
+}
+
+impl Bins {
+    /// The bin of a level, and its place in the bin as a fraction of 2^32.
+    #[inline(always)]
+    fn of(&self, level: f64) -> (u32, u32) {
+        let place = (finite(level) - self.low) * self.scale;
+        let bin = (place as u32).min(self.last);
+        (self.first + bin, ((place - f64::from(bin)) * 4_294_967_296.0) as u32)
+    }
+}
+
+/// Infinite levels count as very large ones: their differences are finite.
+#[inline(always)]
+fn finite(level: f64) -> f64 {
+    level.clamp(-1e307, 1e307)
+}
+
+impl Order {
+    fn new(arcs: &Arcs, members: Vec<Members>, top: f64) -> Self {
+        let count = arcs.parents.len();
+        let mut own = vec![0u32; count];
+        let mut first = vec![NONE; count];
+        for part in members {
+            own.iter_mut().zip(part.count).for_each(|(a, b)| *a += b);
+            first.iter_mut().zip(part.first).for_each(|(a, b)| *a = (*a).min(b));
+        }
+        for arc in 0..count {
+            let parent = arcs.parents[arc];
+            if parent != NONE {
+                first[parent as usize] = first[parent as usize].min(first[arc]);
+            }
+        }
+        let postorder = postorder(&arcs.parents, &first);
+        let mut bins = vec![Bins { first: 0, last: 0, low: 0.0, scale: 0.0 }; count];
+        let (mut starts, mut start, mut bin) = (Vec::with_capacity(count + 1), 0, 0u32);
+        for &arc in &postorder {
+            let arc = arc as usize;
+            starts.push(start);
+            start += own[arc];
+            let high = if arcs.parents[arc] == NONE { top } else { arcs.births[arcs.parents[arc] as usize] };
+            let (low, high) = (finite(arcs.births[arc]), finite(high));
+            let wanted = (own[arc] as usize / BIN).max(1) as u32;
+            // A span too short to divide is one bin, sorted by comparison.
+            let scale = f64::from(wanted) / (high - low);
+            let scale = if scale.is_finite() { scale } else { 0.0 };
+            bins[arc] = Bins { first: bin, last: wanted - 1, low, scale };
+            bin += wanted;
+        }
+        starts.push(start);
+        Self { arcs: postorder, starts, bins, bin_count: bin as usize }
+    }
+
+    /// All vertices by bin, ascending in each, with their place in the bin in the upper half.
+    fn scatter<V: GreyValue>(&self, field: &Field<'_, V>, labels: Vec<u32>, step: usize) -> Binned {
+        let of = |v: u32, arc: u32| self.bins[arc as usize].of(field.level(v));
+        let vertices = |part: usize| (part * step) as u32..;
+        let mut cursors: Vec<Vec<u32>> = labels
+            .par_chunks(step)
+            .enumerate()
+            .map(|(part, labels)| {
+                let mut count = vec![0u32; self.bin_count];
+                labels.iter().zip(vertices(part)).for_each(|(&arc, v)| count[of(v, arc).0 as usize] += 1);
+                count
+            })
+            .collect();
+        let mut ends = vec![0u32; self.bin_count];
+        let mut sum = 0;
+        for bin in 0..self.bin_count {
+            for part in &mut cursors {
+                sum += std::mem::replace(&mut part[bin], sum);
+            }
+            ends[bin] = sum;
+        }
+        let pairs: Vec<AtomicU64> = (0..labels.len()).map(|_| AtomicU64::new(0)).collect();
+        labels.par_chunks(step).zip(&mut cursors).enumerate().for_each(|(part, (labels, cursor))| {
+            for (&arc, v) in labels.iter().zip(vertices(part)) {
+                let (bin, place) = of(v, arc);
+                let at = &mut cursor[bin as usize];
+                pairs[*at as usize].store(u64::from(place) << 32 | u64::from(v), Relaxed);
+                *at += 1;
+            }
+        });
+        let pairs = pairs.into_iter().map(AtomicU64::into_inner).collect();
+        Binned { pairs, ends }
+    }
+
+    /// Sorts each bin; gives the vertices, their altitudes, and whether any two on an arc are equal.
+    fn sort<V: GreyValue>(&self, field: &Field<'_, V>, binned: Binned) -> (Vec<u32>, Vec<f64>, bool) {
+        let Binned { mut pairs, ends } = binned;
+        let n = pairs.len();
+        let (mut vertices, mut altitudes) = (vec![0u32; n], vec![0f64; n]);
+        // Groups of whole bins, a few for each thread.
+        let wanted = if n < 1 << 16 { 1 } else { 8 * rayon::current_num_threads() };
+        let mut groups: Vec<Group<'_>> = Vec::new();
+        let (mut rest, mut from) = ((&mut pairs[..], &mut vertices[..], &mut altitudes[..]), 0);
+        let mut bin = 0;
+        while bin < ends.len() {
+            let goal = from as usize + n.div_ceil(wanted);
+            let last = (bin + ends[bin..].partition_point(|&e| (e as usize) < goal)).min(ends.len() - 1);
+            let len = (ends[last] - from) as usize;
+            let (pairs, a) = rest.0.split_at_mut(len);
+            let (vertices, b) = rest.1.split_at_mut(len);
+            let (altitudes, c) = rest.2.split_at_mut(len);
+            rest = (a, b, c);
+            groups.push(Group { pairs, vertices, altitudes, ends: &ends[bin..=last], from });
+            (bin, from) = (last + 1, ends[last]);
+        }
+        let ties = groups.into_par_iter().map(|group| group.sort(field)).reduce(|| false, |a, b| a || b);
+        (vertices, altitudes, ties)
+    }
+
+    fn nodes(&self, vertices: Vec<u32>, mut altitudes: Vec<f64>, ties: bool, arcs: &Arcs) -> Nodes {
+        let n = vertices.len();
+        let mut ends: Vec<u32>;
+        // The first node of each arc, in postorder, and the number of nodes.
+        let mut first_nodes = self.starts.clone();
+        if ties {
+            ends = Vec::new();
+            let mut nodes = 0;
+            for (arc, range) in self.starts.windows(2).enumerate() {
+                first_nodes[arc] = nodes as u32;
+                for at in range[0] as usize..range[1] as usize {
+                    if at == range[0] as usize || altitudes[at] != altitudes[nodes - 1] {
+                        altitudes[nodes] = altitudes[at];
+                        ends.push(at as u32 + 1);
+                        nodes += 1;
+                    } else {
+                        ends[nodes - 1] = at as u32 + 1;
+                    }
+                }
+            }
+            first_nodes[self.arcs.len()] = nodes as u32;
+            altitudes.truncate(nodes);
+            altitudes.shrink_to_fit();
+            ends.shrink_to_fit();
+        } else {
+            ends = (1..=n as u32).collect();
+        }
+        let mut parents: Vec<u32> = (1..=altitudes.len() as u32).collect();
+        let mut place = vec![0u32; self.arcs.len()];
+        self.arcs.iter().enumerate().for_each(|(at, &arc)| place[arc as usize] = at as u32);
+        for (at, &arc) in self.arcs.iter().enumerate() {
+            let last = first_nodes[at + 1] as usize - 1;
+            parents[last] = match arcs.parents[arc as usize] {
+                NONE => NONE,
+                parent => first_nodes[place[parent as usize] as usize],
+            };
+        }
+        Nodes { parents, altitudes, ends, vertices }
+    }
+}
+
+struct Binned {
+    pairs: Vec<u64>,
+    ends: Vec<u32>,
+}
+
+/// Neighbouring bins and what is made of them.
+struct Group<'a> {
+    pairs: &'a mut [u64],
+    vertices: &'a mut [u32],
+    altitudes: &'a mut [f64],
+    ends: &'a [u32],
+    from: u32,
+}
+
+impl Group<'_> {
+    fn sort<V: GreyValue>(self, field: &Field<'_, V>) -> bool {
+        let mut ties = false;
+        let mut start = 0;
+        for &end in self.ends {
+            let end = (end - self.from) as usize;
+            let range = std::mem::replace(&mut start, end)..end;
+            if !range.is_empty() {
+                ties |= sort_bin(field, self.pairs, self.vertices, self.altitudes, range);
+            }
+        }
+        ties
+    }
+}
+
+/// Sorts one bin by (level, vertex).
+fn sort_bin<V: GreyValue>(
+    field: &Field<'_, V>,
+    pairs: &mut [u64],
+    vertices: &mut [u32],
+    altitudes: &mut [f64],
+    range: Range<usize>,
+) -> bool {
+    let (pairs, vertices, altitudes) =
+        (&mut pairs[range.clone()], &mut vertices[range.clone()], &mut altitudes[range]);
+    pairs.sort_unstable();
+    let mut ordered = true;
+    let mut ties = false;
+    let mut before = f64::NEG_INFINITY;
+    for ((pair, vertex), altitude) in pairs.iter().zip(&mut *vertices).zip(&mut *altitudes) {
+        *vertex = *pair as u32;
+        let level = field.level(*vertex);
+        ordered &= level >= before;
+        ties |= level == before;
+        before = level;
+        *altitude = field.polarity.orient(level);
+    }
+    if !ordered {
+        // Levels too close for 32 bits of their bin: rare, so compare them in full.
+        vertices.sort_unstable_by(|&a, &b| field.level(a).total_cmp(&field.level(b)).then(a.cmp(&b)));
+        for (vertex, altitude) in vertices.iter().zip(&mut *altitudes) {
+            *altitude = field.polarity.orient(field.level(*vertex));
+        }
+        ties = altitudes.windows(2).any(|w| w[0] == w[1]);
+    }
+    ties
+}
+
+/// The arcs with children before parents and siblings by their smallest vertex.
+fn postorder(parents: &[u32], first: &[u32]) -> Vec<u32> {
+    let mut by_first: Vec<u32> = (0..parents.len() as u32).collect();
+    by_first.par_sort_unstable_by_key(|&arc| std::cmp::Reverse(first[arc as usize]));
+    let (mut first_child, mut next_sibling) = (vec![NONE; parents.len()], vec![NONE; parents.len()]);
+    let mut first_root = NONE;
+    for &arc in &by_first {
+        let head = match parents[arc as usize] {
+            NONE => &mut first_root,
+            parent => &mut first_child[parent as usize],
+        };
+        next_sibling[arc as usize] = std::mem::replace(head, arc);
+    }
+    let mut order = by_first;
+    order.clear();
+    let mut at = first_root;
+    while at != NONE {
+        while first_child[at as usize] != NONE {
+            at = first_child[at as usize];
+        }
+        // Up to the nearest ancestor with a sibling to its right.
+        loop {
+            order.push(at);
+            if next_sibling[at as usize] != NONE {
+                at = next_sibling[at as usize];
+                break;
+            }
+            at = parents[at as usize];
+            if at == NONE {
+                break;
+            }
+        }
+    }
+    order
+}

@@ -1,0 +1,88 @@
+use std::ops::Range;
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+use rayon::prelude::*;
+
+use crate::GreyValue;
+use crate::topology::Topology;
+
+/// Marks a pointer that has become the number of a basin.
+const FOUND: u32 = 1 << 31;
+
+/// The basin that each vertex descends to.
+pub(super) struct Basins {
+    /// Number of each vertex's basin.
+    pub labels: Vec<u32>,
+    /// The minimum of each basin, ascending.
+    pub minima: Vec<u32>,
+}
+
+/// Steepest descent from every vertex.
+///
+/// Threads share the pointers: whatever they read of each other, a pointer not yet followed or its
+/// end, leads to the same minimum.
+pub(super) fn find<T: Topology, V: GreyValue, const DOWN: bool>(
+    topology: &T,
+    values: &[V],
+    parts: usize,
+) -> Basins {
+    let ranges = topology.split(parts);
+    let pointers: Vec<AtomicU32> = (0..topology.len()).map(|_| AtomicU32::new(0)).collect();
+    let point = |range: &Range<usize>| {
+        let mut minima = Vec::new();
+        topology.descend::<V, DOWN>(range.clone(), values, |v, target| {
+            let known = target < v && target as usize >= range.start;
+            // Pointers back were set before and go further down at once.
+            let to = if known { pointers[target as usize].load(Relaxed) } else { target };
+            pointers[v as usize].store(to, Relaxed);
+            if target == v {
+                minima.push(v);
+            }
+        });
+        minima
+    };
+    let minima: Vec<u32> = ranges.par_iter().map(point).collect::<Vec<_>>().concat();
+    for (basin, &v) in minima.iter().enumerate() {
+        pointers[v as usize].store(basin as u32 | FOUND, Relaxed);
+    }
+    // From the last vertex down, most pointers forward have been followed before.
+    ranges.par_iter().for_each(|range| {
+        for v in range.clone().rev() {
+            let mut at = pointers[v].load(Relaxed);
+            if at & FOUND != 0 {
+                continue;
+            }
+            let basin = loop {
+                let next = pointers[at as usize].load(Relaxed);
+                if next & FOUND != 0 {
+                    break next;
+                }
+                at = next;
+            };
+            let mut at = v;
+            loop {
+                let next = pointers[at].swap_to(basin);
+                if next & FOUND != 0 {
+                    break;
+                }
+                at = next as usize;
+            }
+        }
+    });
+    let labels = pointers.into_iter().map(|p| p.into_inner() & !FOUND).collect();
+    Basins { labels, minima }
+}
+
+trait SwapTo {
+    /// A load and a store; cheaper than an atomic exchange, which is not needed.
+    fn swap_to(&self, value: u32) -> u32;
+}
+
+impl SwapTo for AtomicU32 {
+    #[inline]
+    fn swap_to(&self, value: u32) -> u32 {
+        let old = self.load(Relaxed);
+        self.store(value, Relaxed);
+        old
+    }
+}
