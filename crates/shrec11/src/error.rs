@@ -1,3 +1,5 @@
+use std::path::PathBuf;
+
 use thiserror::Error;
 
 /// Why a benchmark cannot be read, made or scored.
@@ -33,5 +35,77 @@ pub enum ShrecError {
         what: &'static str,
         /// Which one, from 0.
         number: usize,
+    },
+    /// A name that is no class of the synthetic benchmark.
+    #[error(
+        "{name:?} is no class of transforms; there are affine, holes, isometry, localscale, microholes, noise, partial, rasterize, sampling, scaling, shotnoise, topology, view"
+    )]
+    UnknownClass {
+        /// The name.
+        name: String,
+    },
+    /// A strength that does not exist.
+    #[error("strength {strength} does not exist; they are 1 to 5")]
+    BadStrength {
+        /// The strength.
+        strength: u32,
+    },
+    /// An isometry was asked without a pose.
+    #[error("an isometry is another pose of the null shape: give a mesh with the same triangles")]
+    PoseNeeded,
+    /// Nothing to transform, or nothing left of it.
+    #[error("{class}: the mesh has no surface, or none would be left of it")]
+    NoSurface {
+        /// The class of the transform.
+        class: crate::Class,
+    },
+    /// A transformed mesh that is none.
+    #[error(transparent)]
+    Shape(#[from] mser3d_shape::ShapeError),
+    /// A mesh that cannot be rasterized.
+    #[error(transparent)]
+    Voxelize(#[from] mser3d_voxelize::VoxelizeError),
+    /// A mesh file that cannot be read.
+    #[error(transparent)]
+    Mesh(#[from] mser3d_meshio::MeshIoError),
+    /// A file or folder that cannot be read.
+    #[error("{}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A file or folder that cannot be written.
+    #[error("{}: cannot be written: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A file with something wrong in one line.
+    #[error("{}:{line}: {problem}", path.display())]
+    BadLine {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong.
+        problem: String,
+    },
+    /// A file that is not what it should be.
+    #[error("{}: {problem}", path.display())]
+    BadFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: String,
+    },
+    /// A folder without shapes.
+    #[error("{}: no shapes; the benchmark's are named NNNN.<class>.<strength>.off, the first one 0001.null.0.off", folder.display())]
+    NoShapes {
+        /// The folder.
+        folder: PathBuf,
     },
 }

@@ -30,14 +30,20 @@
 
 mod correspondence;
 mod error;
+mod files;
 mod overlap;
+mod random;
 mod score;
 mod transfer;
+mod transforms;
+mod vector;
 mod vertex_set;
 
 pub use correspondence::SurfacePoint;
 pub use error::ShrecError;
+pub use files::{Benchmark, BenchmarkWriter, ShapeName};
 pub use overlap::{NullShape, Overlaps};
 pub use score::{Score, mean_score, share_above};
 pub use transfer::Transfer;
+pub use transforms::{Class, Transformed, isometry, transform};
 pub use vertex_set::VertexSet;

@@ -1,0 +1,12 @@
+//! The benchmark's folder: `NNNN.<class>.<strength>.off`, `corr/<name>.corr`, `NNNN.null.0.sym.mat`.
+
+mod benchmark;
+mod corr;
+mod mat5;
+mod name;
+mod symmetry;
+mod write;
+
+pub use benchmark::Benchmark;
+pub use name::ShapeName;
+pub use write::BenchmarkWriter;

@@ -1,0 +1,215 @@
+//! The transforms of the benchmark, one file per class or family.
+
+mod decimate;
+mod holes;
+mod nearest_point;
+mod noise;
+mod partial;
+mod rasterize;
+mod topology;
+mod warp;
+
+use std::fmt;
+use std::str::FromStr;
+
+use mser3d_shape::{BoundingBox, TriangleMesh};
+
+use crate::random::Random;
+use crate::{ShrecError, SurfacePoint};
+
+/// A transformed shape, with the point of the null shape that each vertex comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Transformed {
+    /// The transformed surface. It may be open, and need not have the null shape's vertices.
+    pub mesh: TriangleMesh,
+    /// One point per vertex; `None` for a vertex that no triangle of the null shape uses.
+    pub points: Vec<Option<SurfacePoint>>,
+}
+
+impl Transformed {
+    /// The null shape's triangles over moved vertices.
+    fn moved(null: &TriangleMesh, vertices: Vec<[f64; 3]>) -> Result<Self, ShrecError> {
+        Ok(Self { mesh: null.with_vertices(vertices)?, points: SurfacePoint::vertices_of(null) })
+    }
+
+    /// Some of the null shape's triangles, and the vertices that these use, in the same order.
+    fn kept(null: &TriangleMesh, keep: impl Fn(usize) -> bool) -> Result<Self, ShrecError> {
+        let triangles = (0..null.triangles().len()).filter(|&t| keep(t)).map(|t| null.triangles()[t]);
+        Self::over_null_vertices(null, null.vertices(), triangles.collect())
+    }
+
+    /// Any triangles over the null shape's vertices; the vertices that they use, in the same order.
+    fn over_null_vertices(
+        null: &TriangleMesh,
+        places: &[[f64; 3]],
+        mut triangles: Vec<[u32; 3]>,
+    ) -> Result<Self, ShrecError> {
+        let mut used = vec![false; places.len()];
+        triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
+        let origin = SurfacePoint::vertices_of(null);
+        let (mut vertices, mut points, mut number) = (Vec::new(), Vec::new(), vec![0; places.len()]);
+        for v in (0..places.len()).filter(|&v| used[v]) {
+            number[v] = vertices.len() as u32;
+            vertices.push(places[v]);
+            points.push(origin[v]);
+        }
+        triangles.iter_mut().flatten().for_each(|v| *v = number[*v as usize]);
+        Ok(Self { mesh: TriangleMesh::new(vertices, triangles)?, points })
+    }
+}
+
+/// The classes of the synthetic benchmark. D is the diagonal of the null shape's bounding box, s
+/// the strength from 1 to 5.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum Class {
+    /// The linear map I + 0.1 s R, with R random of Frobenius norm 1.
+    Affine,
+    /// 2 s holes, each of radius 0.04 D along the surface.
+    Holes,
+    /// Another pose of the same figure, one per strength; see [`isometry`].
+    Isometry,
+    /// Six regions of radius 0.15 D, in turn grown by up to 10 s % and shrunk by up to 8 s %.
+    Localscale,
+    /// The triangles around 0.6 s % of the vertices removed.
+    Microholes,
+    /// Every vertex displaced along its normal, normally distributed with deviation 0.002 s D.
+    Noise,
+    /// Cut by a random plane; 1 - 0.08 s of the area stays.
+    Partial,
+    /// Voxelized with a pitch of 0.0025 (s + 1) D, and polygonized again.
+    Rasterize,
+    /// Decimated to 60, 40, 25, 15 and 8 % of the vertices.
+    Sampling,
+    /// Scaled by 0.5, 0.875, 1.25, 1.625 and 2.
+    Scaling,
+    /// 0.2 s % of the vertices displaced along their normals, in or out, by 0.01 D to 0.03 D.
+    Shotnoise,
+    /// 2 s tubes of radius 0.012 D between parts that face each other; where no parts do, tunnels
+    /// through the solid.
+    Topology,
+    /// What one far camera sees; the strength numbers the camera.
+    View,
+}
+
+impl Class {
+    /// All classes, in the order of their names.
+    pub const ALL: [Self; 13] = [
+        Self::Affine,
+        Self::Holes,
+        Self::Isometry,
+        Self::Localscale,
+        Self::Microholes,
+        Self::Noise,
+        Self::Partial,
+        Self::Rasterize,
+        Self::Sampling,
+        Self::Scaling,
+        Self::Shotnoise,
+        Self::Topology,
+        Self::View,
+    ];
+
+    /// The name in the files, such as `"noise"`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Affine => "affine",
+            Self::Holes => "holes",
+            Self::Isometry => "isometry",
+            Self::Localscale => "localscale",
+            Self::Microholes => "microholes",
+            Self::Noise => "noise",
+            Self::Partial => "partial",
+            Self::Rasterize => "rasterize",
+            Self::Sampling => "sampling",
+            Self::Scaling => "scaling",
+            Self::Shotnoise => "shotnoise",
+            Self::Topology => "topology",
+            Self::View => "view",
+        }
+    }
+}
+
+impl fmt::Display for Class {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Class {
+    type Err = ShrecError;
+
+    fn from_str(name: &str) -> Result<Self, ShrecError> {
+        let found = Self::ALL.into_iter().find(|c| c.name() == name);
+        found.ok_or_else(|| ShrecError::UnknownClass { name: name.into() })
+    }
+}
+
+/// The null shape under a transform. The same arguments give the same shape, on every machine.
+///
+/// ```
+/// # use mser3d_shape::TriangleMesh;
+/// use mser3d_shrec11::{transform, Class};
+///
+/// let corners = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
+/// let null = TriangleMesh::new(corners, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])?;
+/// let twice = transform(&null, Class::Scaling, 5, 1)?;
+/// assert_eq!(twice.mesh.signed_volume(), 8.0 * null.signed_volume());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`ShrecError::BadStrength`] for a strength beyond 1 to 5; [`ShrecError::NoSurface`] for a mesh
+/// without area, or of which nothing would be left; [`ShrecError::PoseNeeded`] for
+/// [`Class::Isometry`].
+pub fn transform(
+    null: &TriangleMesh,
+    class: Class,
+    strength: u32,
+    seed: u64,
+) -> Result<Transformed, ShrecError> {
+    if !(1..=5).contains(&strength) {
+        return Err(ShrecError::BadStrength { strength });
+    }
+    let diagonal = null.bounding_box().as_ref().map_or(0.0, BoundingBox::diagonal);
+    if !(null.area() > 0.0 && diagonal.is_finite()) {
+        return Err(ShrecError::NoSurface { class });
+    }
+    let s = f64::from(strength);
+    let random = &mut Random::new(&[seed, class as u64, strength.into()]);
+    let transformed = match class {
+        Class::Affine => warp::affine(null, 0.1 * s, random),
+        Class::Holes => holes::holes(null, 2 * strength as usize, 0.04 * diagonal, random),
+        Class::Isometry => return Err(ShrecError::PoseNeeded),
+        Class::Localscale => warp::localscale(null, s, 0.15 * diagonal, random),
+        Class::Microholes => holes::microholes(null, 0.006 * s, random),
+        Class::Noise => noise::noise(null, 0.002 * s * diagonal, random),
+        Class::Partial => partial::partial(null, 1.0 - 0.08 * s, random),
+        Class::Rasterize => rasterize::rasterize(null, 0.0025 * (s + 1.0) * diagonal),
+        Class::Sampling => decimate::sampling(null, [0.6, 0.4, 0.25, 0.15, 0.08][strength as usize - 1]),
+        Class::Scaling => warp::scaling(null, [0.5, 0.875, 1.25, 1.625, 2.0][strength as usize - 1]),
+        Class::Shotnoise => noise::shotnoise(null, 0.002 * s, 0.02 * diagonal, random),
+        Class::Topology => topology::topology(null, 2 * strength as usize, 0.012 * diagonal, random),
+        Class::View => partial::view(null, strength, seed),
+    }?;
+    if transformed.mesh.triangles().is_empty() {
+        return Err(ShrecError::NoSurface { class });
+    }
+    Ok(transformed)
+}
+
+/// Another pose of the null shape, with the same vertices in the same order.
+///
+/// # Errors
+/// [`ShrecError::SizeMismatch`] when the pose has other triangles.
+pub fn isometry(null: &TriangleMesh, pose: &TriangleMesh) -> Result<Transformed, ShrecError> {
+    if pose.triangles() != null.triangles() {
+        let (found, expected) = (pose.triangles().len(), null.triangles().len());
+        return Err(ShrecError::SizeMismatch {
+            what: "triangles of a pose equal to the null shape's",
+            found,
+            expected,
+        });
+    }
+    Transformed::moved(null, pose.vertices().to_vec())
+}
