@@ -56,7 +56,7 @@ impl MeshFormat {
         let word = text.split(|b| b.is_ascii_whitespace()).next().unwrap_or_default();
         match word {
             b"ply" => Some(Self::Ply),
-            b"solid" => Some(Self::Stl),
+            _ if word.eq_ignore_ascii_case(b"solid") => Some(Self::Stl),
             _ if word.starts_with(b"{") => Some(Self::Gltf),
             _ if crate::off::is_header(word) => Some(Self::Off),
             b"v" | b"vn" | b"vt" | b"mtllib" | b"usemtl" | b"o" | b"g" | b"f" => Some(Self::Obj),

@@ -1,4 +1,72 @@
 //! Files of meshes, voxels and arrays to the shapes of mser3d and back.
+//!
+//! | | read | written |
+//! |---|---|---|
+//! | OBJ | polygons, groups, negative indices, continued lines (by tobj) | |
+//! | glTF, GLB | all triangle primitives of the scene; node transforms, morph targets, skins, animations; sparse and quantized accessors; buffers inside and beside the file | GLB with normals, colours and regions |
+//! | OFF | ASCII, also with normals and colours | yes |
+//! | PLY | ASCII, binary of both byte orders | binary, with normals, colours and regions |
+//! | STL | ASCII, binary | |
+//! | VTI | | voxel grids for ParaView |
+//! | NPY, NPZ | masks; arrays | arrays |
+//!
+//! # What holds
+//! * **Vertex i is the i-th vertex of the file** for OBJ, OFF and PLY, whether a face uses it or not
+//!   and however often its position occurs. glTF and STL repeat a vertex for each primitive or
+//!   triangle; there, vertices at equal positions (-0.0 equals 0.0) become one, numbered by first
+//!   occurrence, and [`LoadedMesh::weld`] leads from each vertex of the file to its mesh vertex.
+//!   For glTF, the file's vertices are those of the triangle primitives in the order in which the
+//!   scene's nodes, depth first, show them; the welding is that of the rest pose, so all frames of
+//!   an animation share vertices and triangles.
+//! * Coordinates are read as f64 with every digit; decimals have a point in every locale. Polygons
+//!   become triangles: fans where these don't fold over, else by clipping ears.
+//! * Nothing is repaired in silence: what was left out is in [`LoadedMesh::notes`].
+//! * A file may hold anything. Damaged ones end in a [`MeshIoError`] that names the file and the line,
+//!   never in a panic; memory is bounded by the size of the file, not by the counts it declares.
+//!   (A glTF scene may show one mesh at many nodes: memory is bounded by what is shown.)
+//! * Files are written to the side and renamed ([`write_atomically`]): nobody sees half of one. The
+//!   same data make the same bytes.
+//!
+//! # Limits
+//! Compressed glTF (Draco, meshopt), binary OFF, triangle strips in PLY and free-form surfaces in OBJ
+//! are not read: all are refused, or noted, by name. Units and the direction of "up" are left as they
+//! are in the file.
+//!
+//! # Example
+//! ```
+//! use mser3d_meshio::{MeshFormat, ReadOptions, read_mesh_from, write_off};
+//! use std::path::Path;
+//!
+//! // A pyramid on a square, with a vertex that nothing uses.
+//! let text = b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 9 9 9\nv 1 1 3\n\
+//!     f 4 3 2 1\nf 1 2 6\nf 2 3 6\nf 3 4 6\nf 4 1 6\n";
+//! let read = read_mesh_from(MeshFormat::Obj, text, Path::new("pyramid.obj"), &ReadOptions::default())?;
+//! assert_eq!(read.mesh.vertices()[5], [1.0, 1.0, 3.0]);
+//! assert_eq!((read.mesh.triangles().len(), read.polygons), (6, 1));
+//! assert_eq!(read.mesh.signed_volume(), 4.0);
+//!
+//! # let folder = std::env::temp_dir().join(format!("mser3d-meshio-{}", std::process::id()));
+//! # std::fs::create_dir_all(&folder).unwrap();
+//! let path = folder.join("pyramid.off");
+//! write_off(&path, &read.mesh)?;
+//! assert_eq!(mser3d_meshio::read_mesh(&path, &ReadOptions::default())?.mesh, read.mesh);
+//! # std::fs::remove_dir_all(&folder).unwrap();
+//! # Ok::<(), mser3d_meshio::MeshIoError>(())
+//! ```
+//!
+//! A figure of a glTF file in every frame of its first animation:
+//! ```no_run
+//! use mser3d_meshio::{ReadOptions, list_animations, read_mesh};
+//! use std::path::Path;
+//!
+//! let path = Path::new("fox.glb");
+//! let walk = &list_animations(path)?[0];
+//! for time in walk.frame_times(24.0)? {
+//!     let options = ReadOptions { animation: Some(walk.index.to_string()), time };
+//!     println!("{time:.3} s: {}", read_mesh(path, &options)?.mesh.signed_volume());
+//! }
+//! # Ok::<(), mser3d_meshio::MeshIoError>(())
+//! ```
 #![warn(missing_docs)]
 
 mod atomic;

@@ -90,6 +90,14 @@ mod tests {
         for end in 0..bytes.len() {
             assert!(parse(&bytes[..end]).is_err());
         }
+        // Any byte may be wrong: an error or other arrays, never a panic.
+        for at in 0..bytes.len() {
+            for flip in [1, 0x80, 0xff] {
+                let mut damaged = bytes.clone();
+                damaged[at] ^= flip;
+                let _ = parse(&damaged);
+            }
+        }
         let twice = [arrays[0].clone(), arrays[0].clone()];
         assert!(write_npz(&paths[0], &twice).unwrap_err().to_string().contains("a.npz"));
         assert_eq!(std::fs::read(&paths[0]).unwrap(), bytes);

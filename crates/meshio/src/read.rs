@@ -10,16 +10,21 @@ pub struct ReadOptions {
     /// that the file's nodes are in.
     pub animation: Option<String>,
     /// When in the animation, in seconds. Before the first key and after the last one the figure
-    /// holds still.
+    /// holds still. Zero without an animation.
     pub time: f64,
 }
 
 impl ReadOptions {
     /// # Errors
-    /// [`MeshIoError::BadParameter`] for a time that is negative or not finite.
+    /// [`MeshIoError::BadParameter`] for a time that is negative, not finite, or given without an
+    /// animation.
     pub fn validate(&self) -> Result<(), MeshIoError> {
         if !(self.time.is_finite() && self.time >= 0.0) {
             let reason = format!("{} is not a number of seconds >= 0", self.time);
+            return Err(MeshIoError::BadParameter { parameter: "time", reason });
+        }
+        if self.time > 0.0 && self.animation.is_none() {
+            let reason = format!("{} s of no animation; choose an animation too", self.time);
             return Err(MeshIoError::BadParameter { parameter: "time", reason });
         }
         Ok(())

@@ -24,7 +24,7 @@ pub(crate) fn is_binary(bytes: &[u8]) -> bool {
 pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
     let mut soup = Soup::default();
     // Some binary files begin with "solid" too; then their size gives them away.
-    if !is_binary(bytes) && bytes.trim_ascii_start().starts_with(b"solid") && is_text(bytes) {
+    if !is_binary(bytes) && begins_solid(bytes) && is_text(bytes) {
         ascii(bytes, &mut soup)?;
     } else {
         binary(bytes, &mut soup)?;
@@ -33,6 +33,10 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
     let (triangles, dropped) = collapse(corners, &soup.weld.map);
     let notes = note(dropped, "triangles with two equal corners left out").into_iter().collect();
     Ok(Parsed { vertices: soup.vertices, triangles, weld: Some(soup.weld.map), polygons: 0, notes })
+}
+
+fn begins_solid(bytes: &[u8]) -> bool {
+    bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
 }
 
 fn is_text(bytes: &[u8]) -> bool {

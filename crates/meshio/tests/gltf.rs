@@ -128,6 +128,7 @@ fn a_time_or_an_animation_that_cannot_be_is_an_error() {
     for time in [-1.0, f64::NAN, f64::INFINITY] {
         assert!(message(MeshFormat::Gltf, &bytes, Some("0"), time).contains("seconds"));
     }
+    assert!(message(MeshFormat::Gltf, &bytes, None, 1.0).contains("choose an animation"));
     assert!(message(MeshFormat::Gltf, &bytes, Some("4"), 0.0).contains("3 \"weights\" (2.00 s)"));
     assert!(message(MeshFormat::Off, b"OFF", Some("0"), 0.0).contains("has no animations"));
 }

@@ -6,6 +6,7 @@ mod animation;
 mod buffers;
 mod pose;
 mod primitive;
+mod skin;
 mod transform;
 
 use crate::error::Fault;
@@ -14,8 +15,6 @@ use crate::weld::{Weld, collapse};
 use crate::{MeshFormat, MeshIoError};
 use accessor::{Asset, get};
 pub use animation::AnimationInfo;
-use gltf::json;
-use json::accessor::Type;
 use pose::{Hierarchy, Pose};
 use std::path::Path;
 use transform::Affine;
@@ -82,46 +81,6 @@ fn choose(asset: &Asset, wanted: &str, path: &Path) -> Result<usize, MeshIoError
     )
 }
 
-/// A skin, ready to pose vertices.
-struct Skin {
-    /// Bind space to the world, for each joint.
-    joints: Vec<Affine>,
-    /// Vertices that hang on the same joints in the same way belong together, whatever their skin's
-    /// number: body and clothes are often exported with a skin each.
-    group: usize,
-}
-
-fn skins(asset: &Asset, globals: &[Affine]) -> Result<Vec<Skin>, Fault> {
-    let mut bindings: Vec<(Vec<usize>, Vec<f64>)> = Vec::new();
-    let mut skins = Vec::new();
-    for (number, skin) in asset.root.skins.iter().enumerate() {
-        let nodes: Vec<usize> = skin.joints.iter().map(|j| j.value()).collect();
-        if nodes.is_empty() {
-            return Err(Fault::new(format!("skin {number} has no joints")));
-        }
-        let inverse = match skin.inverse_bind_matrices {
-            Some(accessor) => asset.rows(accessor, Type::Mat4)?.values,
-            None => Vec::new(),
-        };
-        let mut joints = Vec::with_capacity(nodes.len());
-        for (i, &node) in nodes.iter().enumerate() {
-            let global = get(globals, node, "node")?;
-            joints.push(match inverse.get(16 * i..16 * i + 16) {
-                Some(matrix) => global.after(&Affine::from_columns(matrix)),
-                None if inverse.is_empty() => *global,
-                None => return Err(Fault::new(format!("skin {number} has fewer matrices than joints"))),
-            });
-        }
-        let binding = (nodes, inverse);
-        let group = bindings.iter().position(|b| *b == binding).unwrap_or_else(|| {
-            bindings.push(binding);
-            bindings.len() - 1
-        });
-        skins.push(Skin { joints, group });
-    }
-    Ok(skins)
-}
-
 /// All triangles of the scene in world space, vertices at equal rest positions welded.
 ///
 /// What is welded must not depend on the pose, or frames of an animation would differ in their
@@ -137,7 +96,7 @@ fn assemble(asset: &Asset, animation: Option<usize>, time: f64) -> Result<Parsed
         animation::apply(asset, animation, time, &mut pose)?;
     }
     let globals = pose.globals(&hierarchy);
-    let skins = skins(asset, &globals)?;
+    let skins = skin::all(asset, &globals)?;
 
     let mut parsed = Parsed::default();
     let mut weld = Weld::default();
@@ -165,9 +124,9 @@ fn assemble(asset: &Asset, animation: Option<usize>, time: f64) -> Result<Parsed
             };
             let (keys, placed, group, mirrored) = match skin {
                 Some(skin) => {
-                    let influences = primitive::influences(asset, primitive, still.len(), skin.joints.len())?;
+                    let influences = skin::influences(asset, primitive, still.len(), skin.joints.len())?;
                     let placed =
-                        moved.iter().zip(&influences).map(|(&p, i)| blend(skin, i).apply(p)).collect();
+                        moved.iter().zip(&influences).map(|(&p, i)| skin.blend(i).apply(p)).collect();
                     (still, placed, skin.group + 1, false)
                 }
                 None => {
@@ -196,13 +155,4 @@ fn assemble(asset: &Asset, animation: Option<usize>, time: f64) -> Result<Parsed
     parsed.notes.extend(note(dropped, "triangles with two equal corners left out"));
     parsed.notes.extend(note(others, "primitives of points or lines left out"));
     Ok(parsed)
-}
-
-/// Linear blend skinning: the mean of the joints' maps.
-fn blend(skin: &Skin, influences: &[(usize, f64)]) -> Affine {
-    let mut map = Affine([[0.0; 4]; 3]);
-    for &(joint, weight) in influences {
-        map.add(weight, &skin.joints[joint]);
-    }
-    map
 }

@@ -7,10 +7,7 @@ use json::accessor::Type;
 use json::mesh::{Mode, Primitive};
 use json::validation::Checked;
 
-/// What the joints of a skin pull at a vertex: joint numbers and weights that sum to 1.
-pub(super) type Influences = Vec<(usize, f64)>;
-
-fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<json::Index<json::Accessor>> {
+pub(super) fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<json::Index<json::Accessor>> {
     primitive.attributes.get(&Checked::Valid(semantic)).copied()
 }
 
@@ -29,7 +26,7 @@ pub(super) fn positions(asset: &Asset, primitive: &Primitive, morph: &[f64]) -> 
     Ok(positions)
 }
 
-fn same_length(rows: Rows, vertices: usize, what: &str) -> Result<Rows, Fault> {
+pub(super) fn same_length(rows: Rows, vertices: usize, what: &str) -> Result<Rows, Fault> {
     if rows.len() == vertices {
         return Ok(rows);
     }
@@ -74,41 +71,6 @@ fn assemble(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
         (Mode::TriangleFan, [first, rest @ ..]) => rest.windows(2).map(|w| [*first, w[0], w[1]]).collect(),
         _ => indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
     }
-}
-
-/// The influences at each vertex, from as many sets of four as there are.
-pub(super) fn influences(
-    asset: &Asset,
-    primitive: &Primitive,
-    vertices: usize,
-    joints: usize,
-) -> Result<Vec<Influences>, Fault> {
-    let mut all = vec![Influences::new(); vertices];
-    for set in 0.. {
-        let accessors =
-            attribute(primitive, Semantic::Joints(set)).zip(attribute(primitive, Semantic::Weights(set)));
-        let Some((numbers, weights)) = accessors else { break };
-        let numbers = same_length(asset.rows(numbers, Type::Vec4)?, vertices, "JOINTS")?;
-        let weights = same_length(asset.rows(weights, Type::Vec4)?, vertices, "WEIGHTS")?;
-        for ((influences, joint), weight) in all.iter_mut().zip(numbers.iter::<4>()).zip(weights.iter::<4>())
-        {
-            influences.extend((0..4).filter(|&i| weight[i] > 0.0).map(|i| (joint[i] as usize, weight[i])));
-        }
-    }
-    for (vertex, influences) in all.iter_mut().enumerate() {
-        if let Some((joint, _)) = influences.iter().find(|i| i.0 >= joints) {
-            return Err(Fault::new(format!(
-                "vertex {vertex} hangs on joint {joint} of a skin of {joints} joints"
-            )));
-        }
-        // Files round weights; what is missing of 1 would pull the vertex to the origin.
-        let sum: f64 = influences.iter().map(|i| i.1).sum();
-        influences.iter_mut().for_each(|i| i.1 /= sum);
-        if influences.is_empty() {
-            influences.push((0, 1.0));
-        }
-    }
-    Ok(all)
 }
 
 #[cfg(test)]
