@@ -17,6 +17,7 @@ pub(crate) fn frame(
     surface: &Surface,
     analysis: &Analysis,
     rule: Rule,
+    method: Method,
     parameters: &VoxelizeParameters,
 ) -> Result<Frame, VoxelizeError> {
     if let Some(frame) = parameters.frame {
@@ -29,36 +30,44 @@ pub(crate) fn frame(
     let pitch = match parameters.pitch {
         Pitch::Size(pitch) => pitch,
         Pitch::Resolution(n) => resolution_pitch(mesh, n).ok_or_else(no_volume)?,
-        Pitch::Voxels(n) => {
-            let volume = volume(mesh, surface, analysis, rule).ok_or_else(no_volume)?;
-            (volume / n as f64).cbrt()
-        }
+        Pitch::Voxels(n) => counted_pitch(n, mesh, surface, analysis, rule, method).ok_or_else(no_volume)?,
     };
     let frame = around_within(mesh, pitch, parameters.max_box_voxels)?;
     checked(frame, mesh, parameters.max_box_voxels)
 }
 
-/// The volume to divide into voxels: the mesh's own where it is closed, otherwise that with holes
-/// coned off, otherwise that of a coarse voxelization. `None` if nothing is enclosed.
-fn volume(mesh: &TriangleMesh, surface: &Surface, analysis: &Analysis, rule: Rule) -> Option<f64> {
-    let extent = mesh.bounding_box()?.extent();
-    let least = 1e-9 * extent.iter().fold(0.0f64, |m, &x| m.max(x)).powi(3);
+/// The pitch at which about n voxels fill the volume: the mesh's own where it is closed, otherwise
+/// that with holes coned off, otherwise that of a coarse voxelization. `None` if nothing is enclosed.
+fn counted_pitch(
+    n: usize,
+    mesh: &TriangleMesh,
+    surface: &Surface,
+    analysis: &Analysis,
+    rule: Rule,
+    method: Method,
+) -> Option<f64> {
     let own = mesh.signed_volume().abs();
-    let closed = analysis.file.unbalanced == 0 && surface.inverted == 0;
-    if closed && own > least {
-        return Some(own);
+    let longest = resolution_pitch(mesh, 1)?;
+    let closed = analysis.file.unbalanced == 0 && [0, surface.bodies.len()].contains(&surface.inverted);
+    if closed && own.is_normal() && own > LEAST_VOLUME * longest.powi(3) {
+        return Some((own / n as f64).cbrt());
     }
+    // Scaled, so that no cube of a coordinate overflows.
+    let pitch = |scaled_volume: f64| {
+        let enough = scaled_volume > LEAST_VOLUME * (longest * surface.scale).powi(3);
+        enough.then(|| (scaled_volume / n as f64).cbrt() / surface.scale)
+    };
     if rule != Rule::Parity && !surface.bodies.iter().any(|b| b.scattered) {
-        let volume = surface.volume() / surface.scale.powi(3);
-        return (volume > least).then_some(volume);
+        return pitch(surface.volume());
     }
-    const COARSE: usize = 64;
+    const COARSE: usize = 48;
     let frame = around(mesh, resolution_pitch(mesh, COARSE)?).ok()?;
-    let method = if analysis.counts.odd > 0 { Method::Vote } else { Method::Parity };
     let solid = crate::voxelization::sweep(surface, &frame, rule, method, false).ok()?;
-    let volume = solid.occupancy.count_ones() as f64 * frame.voxel_volume();
-    (volume > 0.0).then_some(volume)
+    pitch(solid.occupancy.count_ones() as f64 * (frame.spacing()[0] * surface.scale).powi(3))
 }
+
+/// Volumes below this part of the longest side's cube are rounding errors.
+const LEAST_VOLUME: f64 = 1e-12;
 
 /// The pitch that divides the longest side of the box around a mesh into n voxels.
 pub(crate) fn resolution_pitch(mesh: &TriangleMesh, n: usize) -> Option<f64> {
@@ -120,9 +129,8 @@ pub(crate) fn nothing_inside(
     let pitch = frame.spacing().into_iter().fold(f64::INFINITY, f64::min);
     let volume = (surface.volume() / surface.scale.powi(3)).max(mesh.signed_volume().abs());
     let area = mesh.area();
-    let extent = mesh.bounding_box().map_or([0.0; 3], |b| b.extent());
-    let least = 1e-12 * extent.iter().fold(0.0f64, |m, &x| m.max(x)).powi(3);
-    if volume > least && area > 0.0 {
+    let longest = resolution_pitch(mesh, 1).unwrap_or(0.0);
+    if volume > LEAST_VOLUME * longest.powi(3) && area > 0.0 {
         if parameters.frame.is_some() && pitch < volume / area {
             return VoxelizeError::OutsideFrame;
         }

@@ -45,7 +45,7 @@ mod vector;
 mod voxelization;
 mod warning;
 
-pub use bvh::{Bvh, WindingTree};
+pub use bvh::{Bvh, Hit, NearestPoint, WindingTree};
 pub use choice::Reason;
 pub use diagnosis::{Diagnosis, diagnose};
 pub use error::VoxelizeError;

@@ -15,12 +15,18 @@ pub(crate) fn orient2d(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     robust::orient2d(coord(a), coord(b), coord(c))
 }
 
+/// Six times the signed volume of the tetrahedron a, b, c, d: its sign is exact.
+#[inline]
+pub(crate) fn orient3d(a: [f64; 3], b: [f64; 3], c: [f64; 3], d: [f64; 3]) -> f64 {
+    let coord = |p: [f64; 3]| Coord3D { x: p[0], y: p[1], z: p[2] };
+    // Shewchuk's sign is positive when d lies below the plane of a, b, c.
+    -robust::orient3d(coord(a), coord(b), coord(c), coord(d))
+}
+
 /// The sign of `n . (p - a)` for the triangle's normal `n = (b - a) x (c - a)` and the perturbed
 /// point p: 1 in front, -1 behind, 0 only for a triangle without area.
 pub(crate) fn side([a, b, c]: &[[f64; 3]; 3], p: [f64; 3]) -> i32 {
-    let coord = |p: [f64; 3]| Coord3D { x: p[0], y: p[1], z: p[2] };
-    // Shewchuk's orient3d is positive below the plane.
-    let height = -robust::orient3d(coord(*a), coord(*b), coord(*c), coord(p));
+    let height = orient3d(*a, *b, *c, p);
     if height != 0.0 {
         return sign(height);
     }

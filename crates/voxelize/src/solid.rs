@@ -180,7 +180,7 @@ impl<'a> Scene<'a> {
     ) {
         let axes = sweep.axes();
         let last = self.lattice.dims[axes.d];
-        let is_surface = |c: &&Crossing| c.triangle() < self.surface.caps;
+        let is_surface = |c: &&Crossing| c.triangle() < self.surface.patched;
         let mut place = 0;
         for gap in crossings.chunk_by(|a, b| a.cell() == b.cell()) {
             let (cell, before) = (gap[0].cell(), place);
@@ -221,7 +221,7 @@ impl<'a> Scene<'a> {
         let axes = sweep.axes();
         let mut ordered: Vec<(f64, Crossing)> = gap
             .iter()
-            .filter(|c| c.triangle() < self.surface.caps)
+            .filter(|c| c.triangle() < self.surface.patched)
             .map(|&c| {
                 let depth = sweep.depth(c.triangle(), voxel[axes.u], voxel[axes.v]);
                 // Surfaces in contact part: at one depth, leaving comes first.

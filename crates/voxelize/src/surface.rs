@@ -28,6 +28,9 @@ pub(crate) struct Surface<'m> {
     pub triangles: Cow<'m, [[u32; 3]]>,
     /// Triangles before the caps.
     pub caps: usize,
+    /// Triangles before the caps of larger holes. Small holes are patched: their caps part neighbours
+    /// like the surface that is missing there.
+    pub patched: usize,
     pub bodies: Vec<Body>,
     /// The body of each triangle and cap; empty with a single body.
     pub body_of: Vec<u32>,
@@ -43,6 +46,9 @@ pub(crate) struct Surface<'m> {
 const MAX_OPEN_BODIES: usize = 16;
 /// A body is nearly closed when the vectors of its triangles' areas add up to less than this part of its area.
 const NEARLY_CLOSED: f64 = 0.1;
+
+/// A hole with at most so many edges is small.
+const SMALL_HOLE: f64 = 16.0;
 
 impl<'m> Surface<'m> {
     /// Oriented bodies with caps.
@@ -75,6 +81,7 @@ impl<'m> Surface<'m> {
             vertices,
             triangles,
             caps,
+            patched: caps,
             bodies: Vec::new(),
             body_of: Vec::new(),
             scale,
@@ -201,11 +208,16 @@ impl<'m> Surface<'m> {
         }
         let first = self.vertices.len() as u32;
         self.vertices.to_mut().extend(apexes.iter().map(|key| scaled(sums[key].0, 1.0 / sums[key].1)));
-        for side in &boundary {
-            if !self.bodies[side.body as usize].scattered {
-                let apex = first + sums[&(side.body, loops.find(side.from))].2;
-                self.triangles.to_mut().push([side.to, side.from, apex]);
-                self.body_of.push(side.body);
+        for small in [true, false] {
+            for side in &boundary {
+                let (_, sides, apex) = sums[&(side.body, loops.find(side.from))];
+                if !self.bodies[side.body as usize].scattered && small == (sides <= SMALL_HOLE) {
+                    self.triangles.to_mut().push([side.to, side.from, first + apex]);
+                    self.body_of.push(side.body);
+                }
+            }
+            if small {
+                self.patched = self.triangles.len();
             }
         }
     }

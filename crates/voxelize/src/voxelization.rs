@@ -88,7 +88,7 @@ pub fn voxelize(mesh: &TriangleMesh, parameters: &VoxelizeParameters) -> Result<
         (_, Overlap::Auto) if surface.bodies.len() == 1 => Rule::Total { join: false },
         (_, Overlap::Auto) => Rule::Bodies,
     };
-    let frame = framing::frame(mesh, &surface, &analysis, rule, parameters)?;
+    let frame = framing::frame(mesh, &surface, &analysis, rule, method, parameters)?;
     let mut solid = sweep(&surface, &frame, rule, method, parameters.cut_links)?;
     if let Some(morphology) = parameters.morphology {
         crate::morphology::apply(&mut solid.occupancy, morphology);

@@ -56,7 +56,7 @@ pub(super) fn build(corners: Vec<[Vec3; 3]>) -> Bvh {
 }
 
 /// The nodes over some items, depth first, `first` being the place of items[0] in leaf order.
-/// Right children are counted from the subtree's root.
+/// The place of a right child counts from the first of these nodes.
 fn subtree(items: &mut [Item], first: u32) -> Vec<Node> {
     let bounds = items.iter().fold(NOTHING, |b, item| joined(b, &item.bounds));
     let middle = split(items, &bounds);

@@ -1,8 +1,12 @@
 //! A hierarchy of boxes over triangles: rays in any direction, nearest points, and the fast winding number.
 
 mod build;
+mod nearest;
+mod rays;
 mod winding;
 
+pub use nearest::NearestPoint;
+pub use rays::Hit;
 pub use winding::WindingTree;
 
 use crate::vector::Vec3;

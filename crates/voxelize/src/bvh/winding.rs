@@ -80,7 +80,7 @@ impl WindingTree {
                 let start = node.first as usize;
                 Moments::of(&bvh.corners[start..start + node.count as usize])
             } else {
-                moments[place(i + 1)].join(&moments[place(i + node.first as usize)])
+                moments[place(i + 1)].join(&moments[place(node.first as usize)])
             };
             moments.push(here);
         }
@@ -110,7 +110,7 @@ impl WindingTree {
                     sum += perturbed_solid_angle(corners, point);
                 }
             } else {
-                stack.push(i + node.first as usize);
+                stack.push(node.first as usize);
                 stack.push(i + 1);
             }
         }
@@ -133,7 +133,7 @@ impl WindingTree {
             if angle < 0.05 * bound {
                 certain += angle;
             } else if node.count == 0 {
-                stack.push(i + node.first as usize);
+                stack.push(node.first as usize);
                 stack.push(i + 1);
             } else {
                 // No triangle takes up more than half of all directions.
