@@ -23,6 +23,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! * [`Benchmark`] reads the files of SHREC'10 and SHREC'11, and names what is missing;
+//! * [`transform`] makes the synthetic benchmark, [`BenchmarkWriter`] puts it in the same files;
+//! * [`Detection`] is what any detector found, as a text that any tool can write;
+//! * [`Score`] is what it is worth.
+//!
 //! The benchmarks: Bronstein et al., *SHREC 2010: robust feature detection and description benchmark*;
 //! Boyer et al., *SHREC 2011: robust feature detection and description benchmark*. The measures of
 //! regions: Litman, Bronstein, Bronstein, *Stable volumetric features in deformable shapes*, section 6.
@@ -41,7 +46,7 @@ mod vertex_set;
 
 pub use correspondence::SurfacePoint;
 pub use error::ShrecError;
-pub use files::{Benchmark, BenchmarkWriter, ShapeName};
+pub use files::{Benchmark, BenchmarkWriter, Detection, NotAShapeName, ShapeName};
 pub use overlap::{NullShape, Overlaps};
 pub use score::{Score, mean_score, share_above};
 pub use transfer::Transfer;

@@ -1,3 +1,5 @@
+use crate::{Detection, NullShape, Overlaps, ShapeName, ShrecError, Transfer};
+
 /// The share of values above a threshold; 0 when there are none, because a shape on which nothing
 /// is found counts as a failure, not as missing.
 ///
@@ -25,6 +27,28 @@ pub struct Score {
 }
 
 impl Score {
+    /// Scores what was found on a transformed shape against what was found on the null shape.
+    /// Without descriptors nothing is matched.
+    ///
+    /// # Errors
+    /// As [`Overlaps::new`] and [`Overlaps::matched`].
+    pub fn new(
+        name: &ShapeName,
+        null: &NullShape,
+        on_null: &Detection,
+        on_transformed: &Detection,
+        transfer: &Transfer,
+    ) -> Result<Self, ShrecError> {
+        let overlaps = Overlaps::new(null, &on_null.regions, &on_transformed.regions, transfer)?;
+        let described = !on_null.descriptors.is_empty() && !on_transformed.descriptors.is_empty();
+        let matched = if described {
+            overlaps.matched(&on_null.descriptors, &on_transformed.descriptors)?
+        } else {
+            Vec::new()
+        };
+        Ok(Self { class: name.class.clone(), strength: name.strength, best: overlaps.best(), matched })
+    }
+
     /// Share of regions that were found again.
     pub fn repeatability(&self, threshold: f64) -> f64 {
         share_above(&self.best, threshold)

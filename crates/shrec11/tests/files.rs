@@ -3,7 +3,9 @@
 use std::fs;
 
 use mser3d_shape::TriangleMesh;
-use mser3d_shrec11::{Benchmark, BenchmarkWriter, Class, NullShape, ShapeName, transform};
+use mser3d_shrec11::{
+    Benchmark, BenchmarkWriter, Class, Detection, NullShape, Score, ShapeName, Transfer, VertexSet, transform,
+};
 
 /// An octahedron with each face cut into 64: closed, symmetric, 258 vertices.
 fn octahedron() -> TriangleMesh {
@@ -83,4 +85,35 @@ fn a_folder_without_shapes_is_refused() {
     let error = Benchmark::open(folder.path()).unwrap_err().to_string();
     assert!(error.contains("NNNN.<class>.<strength>.off"));
     assert!(Benchmark::open(&folder.path().join("nowhere")).is_err());
+}
+
+#[test]
+fn any_detector_is_scored_from_a_text() {
+    let folder = tempfile::tempdir().unwrap();
+    let null = NullShape::new(octahedron());
+    let count = null.mesh().vertices().len();
+    let (here, there) = (ShapeName::null(1), ShapeName { null: 1, class: "noise".into(), strength: 2 });
+    let half = |sign: f64| VertexSet::from_fn(count, |v| sign * null.mesh().vertices()[v][2] > 0.0);
+    let found =
+        Detection { regions: vec![half(1.0), half(-1.0)], descriptors: vec![vec![0.0, 1.0], vec![1.0, 0.1]] };
+    found.write(folder.path(), &here).unwrap();
+    let read = Detection::read(folder.path(), &here, count).unwrap();
+    assert_eq!(read, found);
+
+    // Found again in the other order, and with descriptors that tell them apart.
+    let text = |set: &VertexSet| set.members().map(|v| v.to_string()).collect::<Vec<_>>().join(" ");
+    let lines = format!("# by hand\n{}\n{}\n\n", text(&half(-1.0)), text(&half(1.0)));
+    fs::write(folder.path().join("0001.noise.2.regions"), lines).unwrap();
+    fs::write(folder.path().join("0001.noise.2.descriptors"), "1 0\n0 0.9\n5 5\n").unwrap();
+    let again = Detection::read(folder.path(), &there, count).unwrap();
+    let score = Score::new(&there, &null, &read, &again, &Transfer::identity(count)).unwrap();
+    assert_eq!((score.best, score.matched), (vec![1.0, 1.0, 0.0], vec![1.0, 1.0, 0.0]));
+
+    let error = |regions: &str| {
+        fs::write(folder.path().join("0001.noise.2.regions"), regions).unwrap();
+        Detection::read(folder.path(), &there, count).unwrap_err().to_string()
+    };
+    assert!(error("0 1\n2 x\n\n").contains("0001.noise.2.regions:2: \"x\""));
+    assert!(error("0 1\n2 258\n\n").contains("0001.noise.2.regions:2: "));
+    assert!(error("0 1\n").contains("0001.noise.2.descriptors: 3 descriptors for 1 regions"));
 }

@@ -2,11 +2,13 @@
 
 mod benchmark;
 mod corr;
+mod detection;
 mod mat5;
 mod name;
 mod symmetry;
 mod write;
 
 pub use benchmark::Benchmark;
-pub use name::ShapeName;
+pub use detection::Detection;
+pub use name::{NotAShapeName, ShapeName};
 pub use write::BenchmarkWriter;

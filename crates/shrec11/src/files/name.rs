@@ -42,7 +42,8 @@ impl fmt::Display for ShapeName {
 }
 
 /// The text is not `NNNN.<class>.<strength>`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("not a shape's name, NNNN.<class>.<strength>")]
 pub struct NotAShapeName;
 
 impl FromStr for ShapeName {

@@ -1,0 +1,98 @@
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::name::ShapeName;
+use crate::{ShrecError, VertexSet};
+
+/// What a detector found on one shape, whichever detector it was.
+///
+/// In a folder it is two texts a shape. `NNNN.<class>.<strength>.regions` has one line per region:
+/// the numbers of its vertices, from 0, separated by spaces. `NNNN.<class>.<strength>.descriptors`,
+/// which may be missing, has one line of numbers for each of these lines. Lines that begin with `#`
+/// are comments; an empty line is an empty region.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Detection {
+    /// The regions.
+    pub regions: Vec<VertexSet>,
+    /// A descriptor of each region; empty if there are none.
+    pub descriptors: Vec<Vec<f64>>,
+}
+
+impl Detection {
+    /// Reads what was found on a shape with so many vertices.
+    ///
+    /// # Errors
+    /// [`ShrecError::Read`], [`ShrecError::BadLine`] or [`ShrecError::BadFile`], with the file.
+    pub fn read(folder: &Path, name: &ShapeName, vertices: usize) -> Result<Self, ShrecError> {
+        let path = regions_path(folder, name);
+        let mut regions = Vec::new();
+        for (line, members) in rows::<usize>(&path)? {
+            let set = VertexSet::from_members(vertices, members);
+            regions.push(set.map_err(|e| ShrecError::BadLine {
+                path: path.clone(),
+                line,
+                problem: e.to_string(),
+            })?);
+        }
+        let path = descriptors_path(folder, name);
+        if !path.exists() {
+            return Ok(Self { regions, descriptors: Vec::new() });
+        }
+        let descriptors: Vec<Vec<f64>> = rows(&path)?.into_iter().map(|(_, row)| row).collect();
+        if descriptors.len() != regions.len() {
+            let problem = format!("{} descriptors for {} regions", descriptors.len(), regions.len());
+            return Err(ShrecError::BadFile { path, problem });
+        }
+        Ok(Self { regions, descriptors })
+    }
+
+    /// Writes it into a folder.
+    ///
+    /// # Errors
+    /// [`ShrecError::Write`].
+    pub fn write(&self, folder: &Path, name: &ShapeName) -> Result<(), ShrecError> {
+        let mut regions = String::new();
+        for region in &self.regions {
+            let members: Vec<String> = region.members().map(|v| v.to_string()).collect();
+            // Writing to a String cannot fail.
+            let _ = writeln!(regions, "{}", members.join(" "));
+        }
+        save(regions_path(folder, name), &regions)?;
+        if self.descriptors.is_empty() {
+            return Ok(());
+        }
+        let mut descriptors = String::new();
+        for row in &self.descriptors {
+            let numbers: Vec<String> = row.iter().map(f64::to_string).collect();
+            let _ = writeln!(descriptors, "{}", numbers.join(" "));
+        }
+        save(descriptors_path(folder, name), &descriptors)
+    }
+}
+
+fn regions_path(folder: &Path, name: &ShapeName) -> PathBuf {
+    folder.join(format!("{name}.regions"))
+}
+
+fn descriptors_path(folder: &Path, name: &ShapeName) -> PathBuf {
+    folder.join(format!("{name}.descriptors"))
+}
+
+fn save(path: PathBuf, text: &str) -> Result<(), ShrecError> {
+    fs::write(&path, text).map_err(|source| ShrecError::Write { path, source })
+}
+
+/// The numbers of each line that is no comment, with the line's number.
+fn rows<T: std::str::FromStr>(path: &Path) -> Result<Vec<(usize, Vec<T>)>, ShrecError> {
+    let text = fs::read_to_string(path).map_err(|source| ShrecError::Read { path: path.into(), source })?;
+    let mut rows = Vec::new();
+    for (line, words) in text.lines().enumerate().filter(|(_, words)| !words.starts_with('#')) {
+        let number = |word: &str| {
+            let problem = format!("{word:?} is not a number that is wanted here");
+            word.parse().map_err(|_| ShrecError::BadLine { path: path.into(), line: line + 1, problem })
+        };
+        rows.push((line + 1, words.split_ascii_whitespace().map(number).collect::<Result<_, _>>()?));
+    }
+    Ok(rows)
+}
