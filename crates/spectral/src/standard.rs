@@ -18,6 +18,8 @@ pub(crate) struct StandardProblem {
     pub columns: Vec<usize>,
     pub values: Vec<f64>,
     pub null_space: NullSpace,
+    /// V^(-2/3) of a volume, 1/A of a surface: the unit in which eigenvalues are small numbers.
+    pub unit_eigenvalue: f64,
 }
 
 impl StandardProblem {
@@ -42,7 +44,9 @@ impl StandardProblem {
         let parts = operator.components();
         let labels: Vec<u32> = active.iter().map(|&v| parts.labels[v as usize]).collect();
         let null_space = NullSpace::new(&labels, &root_mass);
-        Self { active, root_mass, starts, columns, values, null_space }
+        let measure: f64 = operator.mass().iter().sum();
+        let unit_eigenvalue = measure.powf(-2.0 / f64::from(operator.domain().dimension()));
+        Self { active, root_mass, starts, columns, values, null_space, unit_eigenvalue }
     }
 
     pub fn len(&self) -> usize {

@@ -5,6 +5,8 @@
 //! number of threads.
 
 use faer::linalg::matmul::matmul;
+use faer::linalg::matmul::triangular::{self, BlockStructure};
+use faer::reborrow::Reborrow;
 use faer::{Accum, Mat, MatRef, Par};
 use rayon::prelude::*;
 
@@ -58,22 +60,44 @@ impl Tall {
 
     /// `self[:, a]^T other[:, b]`.
     pub fn gram(&self, a: std::ops::Range<usize>, other: &Self, b: std::ops::Range<usize>) -> Mat<f64> {
-        // One partial sum for every 16 chunks, so that partial sums stay few.
-        let groups = self.chunks().div_ceil(16);
+        self.sum_over_chunks(a.len(), b.len(), |chunk, sum| {
+            let (left, right) = (self.panel(chunk, &a), other.panel(chunk, &b));
+            matmul(sum.as_mut(), Accum::Add, left.transpose(), right, 1.0, Par::Seq);
+        })
+    }
+
+    /// A matrix that is a sum over chunks of rows: partial sums of 16 chunks each, added in order.
+    fn sum_over_chunks(&self, m: usize, n: usize, add: impl Fn(usize, &mut Mat<f64>) + Sync) -> Mat<f64> {
         let partial = |group: usize| {
-            let mut sum = Mat::zeros(a.len(), b.len());
-            for chunk in 16 * group..(16 * (group + 1)).min(self.chunks()) {
-                let (left, right) = (self.panel(chunk, &a), other.panel(chunk, &b));
-                matmul(sum.as_mut(), Accum::Add, left.transpose(), right, 1.0, Par::Seq);
-            }
+            let mut sum = Mat::zeros(m, n);
+            (16 * group..(16 * (group + 1)).min(self.chunks())).for_each(|chunk| add(chunk, &mut sum));
             sum
         };
-        let partials: Vec<Mat<f64>> = (0..groups).into_par_iter().map(partial).collect();
-        let mut sum = Mat::zeros(a.len(), b.len());
+        let partials: Vec<Mat<f64>> = (0..self.chunks().div_ceil(16)).into_par_iter().map(partial).collect();
+        let mut sum = Mat::zeros(m, n);
         for partial in &partials {
             sum += partial;
         }
         sum
+    }
+
+    /// `self[:, a]^T self[:, a]`, of which the lower triangle is filled.
+    pub fn self_gram(&self, a: std::ops::Range<usize>) -> Mat<f64> {
+        self.sum_over_chunks(a.len(), a.len(), |chunk, sum| {
+            let panel = self.panel(chunk, &a);
+            let (lower, full) = (BlockStructure::TriangularLower, BlockStructure::Rectangular);
+            triangular::matmul(
+                sum.as_mut(),
+                lower,
+                Accum::Add,
+                panel.transpose(),
+                full,
+                panel,
+                full,
+                1.0,
+                Par::Seq,
+            );
+        })
     }
 
     /// `self -= other[:, b] coefficients`, over the first columns of `self`.
@@ -84,6 +108,21 @@ impl Tall {
             let target = faer::MatMut::from_row_major_slice_mut(data, rows, stride);
             let target = target.subcols_mut(0, coefficients.ncols());
             matmul(target, Accum::Add, other.panel(chunk, &b), coefficients, -1.0, Par::Seq);
+        });
+    }
+
+    /// `self[:, to..] -= self[:, a] coefficients`; the columns written must not be among those read.
+    pub fn subtract_within(&mut self, a: std::ops::Range<usize>, coefficients: MatRef<'_, f64>, to: usize) {
+        let stride = self.stride;
+        let written = to..to + coefficients.ncols();
+        debug_assert!(a.end <= written.start || written.end <= a.start);
+        self.data.par_chunks_mut(CHUNK * stride).for_each(|data| {
+            let rows = data.len() / stride;
+            let panel = faer::MatMut::from_row_major_slice_mut(data, rows, stride);
+            let (read, write) = panel.split_at_col_mut(to);
+            let target = write.subcols_mut(0, coefficients.ncols());
+            let source = read.rb().subcols(a.start, a.len());
+            matmul(target, Accum::Add, source, coefficients, -1.0, Par::Seq);
         });
     }
 
@@ -184,6 +223,8 @@ mod tests {
         let mut b = Tall::zeros(n, 3);
         b.data.iter_mut().for_each(|x| *x = noise.next());
 
+        let (whole, lower) = (a.gram(1..6, &a, 1..6), a.self_gram(1..6));
+        assert!((0..5).all(|i| (0..=i).all(|j| (whole[(i, j)] - lower[(i, j)]).abs() < 1e-10)));
         let gram = a.gram(2..6, &b, 0..3);
         for i in 0..4 {
             for j in 0..3 {
@@ -203,5 +244,9 @@ mod tests {
             }
             assert_eq!(a.row(v)[0], old.row(v)[0]);
         }
+        let mut within = old.clone();
+        within.subtract_within(1..3, coefficients.submatrix(0, 0, 2, 3), 4);
+        let expected = old.row(600)[5] - 2.0 * old.row(600)[1] - 3.0 * old.row(600)[2];
+        assert!((within.row(600)[5] - expected).abs() < 1e-12);
     }
 }

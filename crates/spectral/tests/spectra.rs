@@ -9,7 +9,7 @@ use mser3d_spectral::{SpectralError, Spectrum, SpectrumParameters, smallest_eige
 
 fn solve(operator: &Operator, eigenpairs: usize) -> Spectrum {
     let parameters = SpectrumParameters { eigenpairs, ..Default::default() };
-    smallest_eigenpairs(operator, &parameters, &mut |_| ControlFlow::Continue(())).unwrap()
+    smallest_eigenpairs(operator, &parameters, &|_| ControlFlow::Continue(())).unwrap()
 }
 
 fn solid(dims: [usize; 3], spacing: [f64; 3], inside: impl Fn([f64; 3]) -> bool) -> VoxelGrid {
@@ -206,7 +206,7 @@ fn the_bits_do_not_depend_on_the_number_of_threads() {
 fn wrong_requests_are_clear_errors() {
     let operator = grid_laplacian(&solid([5, 5, 5], [1.0; 3], |_| true));
     let ask = |parameters: SpectrumParameters| {
-        smallest_eigenpairs(&operator, &parameters, &mut |_| ControlFlow::Continue(())).unwrap_err()
+        smallest_eigenpairs(&operator, &parameters, &|_| ControlFlow::Continue(())).unwrap_err()
     };
     let error = ask(SpectrumParameters { eigenpairs: 10_000_000, ..Default::default() });
     assert_eq!(error, SpectralError::TooManyEigenpairs { requested: 10_000_000, available: 125 });
@@ -225,7 +225,6 @@ fn wrong_requests_are_clear_errors() {
 #[test]
 fn cancelling_ends_the_work() {
     let operator = grid_laplacian(&solid([20, 20, 20], [1.0; 3], |_| true));
-    let result =
-        smallest_eigenpairs(&operator, &SpectrumParameters::default(), &mut |_| ControlFlow::Break(()));
+    let result = smallest_eigenpairs(&operator, &SpectrumParameters::default(), &|_| ControlFlow::Break(()));
     assert_eq!(result.unwrap_err(), SpectralError::Cancelled);
 }
