@@ -1,6 +1,7 @@
 use mser3d_shape::TriangleMesh;
 
 use crate::ShrecError;
+use crate::vector::{cross, dot, norm, normal, sub};
 
 /// A point of a triangle mesh: a triangle and barycentric weights of its three corners.
 ///
@@ -17,6 +18,25 @@ impl SurfacePoint {
     /// The point of corner `corner` (0, 1 or 2) of a triangle.
     pub fn corner(triangle: u32, corner: usize) -> Self {
         Self { triangle, weights: std::array::from_fn(|c| if c == corner { 1.0 } else { 0.0 }) }
+    }
+
+    /// A place on a triangle, as weights of its corners; the nearest corner on one without area.
+    pub fn at(mesh: &TriangleMesh, triangle: u32, place: [f64; 3]) -> Self {
+        let corners = mesh.corners(triangle as usize);
+        let n = normal(corners);
+        let square = dot(n, n);
+        let away = |c: &usize| norm(sub(corners[*c], place));
+        if square == 0.0 {
+            let nearest = (0..3).min_by(|a, b| away(a).total_cmp(&away(b)));
+            return Self::corner(triangle, nearest.unwrap_or(0));
+        }
+        let weight = |c: usize| {
+            let (p, q) = (corners[(c + 1) % 3], corners[(c + 2) % 3]);
+            (dot(cross(sub(q, p), sub(place, p)), n) / square).clamp(0.0, 1.0)
+        };
+        let weights = [weight(0), weight(1), weight(2)];
+        let sum: f64 = weights.iter().sum();
+        Self { triangle, weights: weights.map(|w| w / sum) }
     }
 
     /// For each vertex of a mesh, the vertex itself as a point of a triangle; `None` for a vertex

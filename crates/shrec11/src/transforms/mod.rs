@@ -2,7 +2,6 @@
 
 mod decimate;
 mod holes;
-mod nearest_point;
 mod noise;
 mod partial;
 mod rasterize;

@@ -3,12 +3,11 @@
 use std::collections::BTreeMap;
 
 use mser3d_shape::{TriangleMesh, VoxelGrid};
-use mser3d_voxelize::{Overlap, Pitch, VoxelizeParameters, voxelize};
+use mser3d_voxelize::{Bvh, Overlap, Pitch, VoxelizeParameters, voxelize};
 
 use super::Transformed;
-use super::nearest_point::TriangleGrid;
-use crate::ShrecError;
 use crate::vector::{add, scale};
+use crate::{ShrecError, SurfacePoint};
 
 /// The surface of the null shape's voxels, with the nearest point of the null shape for each vertex.
 /// Parts closer than a voxel are glued: that is what rasterization does.
@@ -21,8 +20,11 @@ pub(super) fn rasterize(null: &TriangleMesh, pitch: f64) -> Result<Transformed, 
     };
     let grid = voxelize(null, &parameters)?.grid;
     let mesh = boundary(&grid)?;
-    let surface = TriangleGrid::new(null);
-    let nearest = |p: &[f64; 3]| surface.as_ref().map(|s| s.nearest(*p));
+    let surface = Bvh::new(null);
+    let nearest = |p: &[f64; 3]| {
+        let nearest = surface.nearest(*p)?;
+        Some(SurfacePoint::at(null, nearest.triangle, nearest.point))
+    };
     let points = mesh.vertices().iter().map(nearest).collect();
     Ok(Transformed { mesh, points })
 }

@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 
 use mser3d_shape::TriangleMesh;
+use mser3d_voxelize::{Bvh, Hit};
 
 use super::Transformed;
 use super::holes::{SurfaceSampler, disc};
 use super::noise::vertex_normals;
 use crate::ShrecError;
 use crate::random::Random;
-use crate::vector::{Vec3, cross, dot, norm, normal, scale, sub};
+use crate::vector::{Vec3, add, norm, scale, sub};
 
 /// How far apart parts may be that are glued, in radii of a tube.
 const REACH: f64 = 12.0;
@@ -28,6 +29,7 @@ pub(super) fn topology(
 ) -> Result<Transformed, ShrecError> {
     let normals = vertex_normals(null);
     let graph = null.edge_graph();
+    let bvh = Bvh::new(null);
     let places = SurfaceSampler::new(null);
     let mut triangles: Vec<Option<[u32; 3]>> = null.triangles().iter().map(|&t| Some(t)).collect();
     let mut tubes = Vec::new();
@@ -37,7 +39,7 @@ pub(super) fn topology(
         for (_, side) in air {
             let start = places.vertex(random);
             let direction = scale(normals[start as usize], side);
-            let Some(end) = facing(null, start, direction, side, REACH * radius) else { continue };
+            let Some(end) = facing(null, &bvh, start, direction, side, REACH * radius) else { continue };
             let discs = [start, end].map(|centre| disc(null, &graph, centre, radius));
             let near = |v: &u32| taken[*v as usize];
             if discs.iter().flatten().any(near) || discs[0].iter().any(|v| discs[1].binary_search(v).is_ok())
@@ -70,29 +72,13 @@ fn inside(triangle: &[u32; 3], disc: &[u32]) -> bool {
 
 /// The nearest corner of the first triangle that a ray from a vertex meets, if within reach and if
 /// the ray meets the side of the surface that it left: 1 for the outside, -1 for the inside.
-fn facing(mesh: &TriangleMesh, start: u32, direction: Vec3, side: f64, reach: f64) -> Option<u32> {
-    let origin = mesh.vertices()[start as usize];
-    let at = |way: f64| [0, 1, 2].map(|a| origin[a] + way * direction[a]);
-    let hit = |t: usize| {
-        let corners = mesh.corners(t);
-        let n = normal(corners);
-        let slope = dot(n, direction);
-        let way = dot(n, sub(corners[0], origin)) / slope;
-        if mesh.triangles()[t].contains(&start) || !(way > 0.0 && way <= reach) {
-            return None;
-        }
-        let place = at(way);
-        let left_of =
-            |i: usize| dot(cross(sub(corners[(i + 1) % 3], corners[i]), sub(place, corners[i])), n) >= 0.0;
-        (left_of(0) && left_of(1) && left_of(2)).then_some((way, t, slope))
-    };
-    let hits = (0..mesh.triangles().len()).filter_map(hit);
-    let (way, t, slope) = hits.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    if slope * side >= 0.0 {
-        return None;
-    }
-    let away = |v: u32| norm(sub(mesh.vertices()[v as usize], at(way)));
-    mesh.triangles()[t].into_iter().min_by(|&a, &b| away(a).total_cmp(&away(b)))
+fn facing(mesh: &TriangleMesh, bvh: &Bvh, start: u32, direction: Vec3, side: f64, reach: f64) -> Option<u32> {
+    let hits = bvh.all_hits(mesh.vertices()[start as usize], direction, reach);
+    let elsewhere = |hit: &&Hit| !mesh.triangles()[hit.triangle as usize].contains(&start);
+    let hit = hits.iter().find(elsewhere).filter(|hit| hit.front == (side > 0.0))?;
+    let place = add(mesh.vertices()[start as usize], scale(direction, hit.t));
+    let away = |v: u32| norm(sub(mesh.vertices()[v as usize], place));
+    mesh.triangles()[hit.triangle as usize].into_iter().min_by(|&a, &b| away(a).total_cmp(&away(b)))
 }
 
 /// The border of a disc's triangles as a loop of vertices, in the direction in which the disc's own
