@@ -138,6 +138,14 @@ impl Fault {
         Self { line, unsupported: true, reason: reason.into() }
     }
 
+    /// The same, with what to do about it; faults of what is not supported say so themselves.
+    pub(crate) fn advise(mut self, advice: &str) -> Self {
+        if !self.unsupported {
+            self.reason = format!("{}; {advice}", self.reason);
+        }
+        self
+    }
+
     pub(crate) fn into_reason(self) -> String {
         self.reason
     }

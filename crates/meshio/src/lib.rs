@@ -7,7 +7,7 @@
 //! | OFF | ASCII, also with normals and colours | yes |
 //! | PLY | ASCII, binary of both byte orders | binary, with normals, colours and regions |
 //! | STL | ASCII, binary | |
-//! | VTI | | voxel grids for ParaView |
+//! | VTP, VTI | | meshes and voxel grids for ParaView |
 //! | NPY, NPZ | masks; arrays | arrays |
 //!
 //! # What holds
@@ -94,4 +94,6 @@ pub use mask::read_mask;
 pub use npy::{NpyArray, NpyValues};
 pub use npz::{read_npz, write_npz};
 pub use read::{LoadedMesh, ReadOptions, read_mesh, read_mesh_from};
-pub use write::{VertexAttributes, VoxelField, VoxelValues, write_glb, write_off, write_ply, write_vti};
+pub use write::{
+    VertexAttributes, VoxelField, VoxelValues, write_glb, write_off, write_ply, write_vti, write_vtp,
+};

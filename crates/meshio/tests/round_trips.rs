@@ -2,7 +2,7 @@
 
 use mser3d_meshio::{
     ReadOptions, VertexAttributes, VoxelField, VoxelValues, read_mesh, write_glb, write_off, write_ply,
-    write_vti,
+    write_vti, write_vtp,
 };
 use mser3d_shape::{BitGrid, Frame, TriangleMesh, VoxelGrid};
 use std::path::PathBuf;
@@ -66,6 +66,36 @@ fn glb_comes_back_welded_in_single_precision() {
 
     let huge = mesh.with_vertices(vec![[1e39; 3]; 6]).unwrap();
     assert!(write_glb(&path("b.glb"), &huge, &VertexAttributes::default()).is_err());
+}
+
+#[test]
+fn vtp_holds_points_triangles_and_regions() {
+    let (_folder, path) = folder();
+    let (mesh, regions) = (mesh(), [-1, 0, 1, 2, 3, 4]);
+    let attributes = VertexAttributes { regions: Some(&regions), ..Default::default() };
+    write_vtp(&path("a.vtp"), &mesh, &attributes).unwrap();
+    let bytes = std::fs::read(path("a.vtp")).unwrap();
+    let start = bytes.windows(2).position(|w| w == b"\n_").unwrap() + 2;
+    let header = std::str::from_utf8(&bytes[..start]).unwrap();
+    assert!(header.contains(r#"NumberOfPoints="6" NumberOfPolys="3""#));
+    // Each array begins with its length in bytes, where the header says.
+    let array = |name: &str| {
+        let declared = header.lines().find(|line| line.contains(&format!("Name=\"{name}\""))).unwrap();
+        let offset = declared.split("offset=\"").nth(1).unwrap().split('"').next().unwrap();
+        let at = start + offset.parse::<usize>().unwrap();
+        let length = u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap()) as usize;
+        &bytes[at + 8..at + 8 + length]
+    };
+    let whole = |name: &str| -> Vec<i64> {
+        array(name).as_chunks().0.iter().map(|&b| i64::from_le_bytes(b)).collect()
+    };
+    let region: Vec<i32> = array("region").as_chunks().0.iter().map(|&b| i32::from_le_bytes(b)).collect();
+    let points: Vec<f64> = array("points").as_chunks().0.iter().map(|&b| f64::from_le_bytes(b)).collect();
+    assert_eq!(region, regions);
+    assert_eq!(points, mesh.vertices().as_flattened());
+    assert_eq!(whole("connectivity"), [4, 3, 1, 1, 2, 5, 2, 2, 3]);
+    assert_eq!(whole("offsets"), [3, 6, 9]);
+    assert!(bytes.ends_with(b"\n</AppendedData>\n</VTKFile>\n"));
 }
 
 #[test]

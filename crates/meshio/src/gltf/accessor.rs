@@ -33,9 +33,7 @@ impl Rows {
 pub(super) fn get<'a, T>(items: &'a [T], index: usize, what: &str) -> Result<&'a T, Fault> {
     let count = items.len();
     items.get(index).ok_or_else(|| {
-        Fault::new(format!(
-            "{what} {index} is named, but there are {count} (numbered from 0); export the file again"
-        ))
+        Fault::new(format!("{what} {index} is named, but there are {count} (numbered from 0)"))
     })
 }
 
@@ -97,7 +95,7 @@ impl Asset<'_> {
             values.iter_mut().for_each(|x| *x = (*x / scale).max(low));
         }
         if let Some(at) = values.iter().position(|x| !x.is_finite()) {
-            return Err(fault(format!("row {} has a value that is NaN or infinite; repair it", at / width)));
+            return Err(fault(format!("row {} has a value that is NaN or infinite", at / width)));
         }
         Ok(Rows { values, width })
     }

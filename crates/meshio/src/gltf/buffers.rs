@@ -15,9 +15,7 @@ pub(super) fn split(format: MeshFormat, bytes: &[u8]) -> Result<(json::Root, Opt
         }
         let length = bytes.get(8..12).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
         if length.is_none_or(|n| (n as usize) < 12 || n as usize > bytes.len()) {
-            return Err(Fault::new(
-                "the file is shorter than its header says; it is truncated; copy or export it again",
-            ));
+            return Err(Fault::new("the file is shorter than its header says; it is truncated"));
         }
         let glb = gltf::Glb::from_slice(bytes)
             .map_err(|e| Fault::new(format!("not a GLB file of version 2: {}", reason(&e))))?;

@@ -35,7 +35,7 @@ pub fn list_animations(path: &Path) -> Result<Vec<AnimationInfo>, MeshIoError> {
     let bytes = read_bytes(path)?;
     match MeshFormat::of(path, &bytes)? {
         format @ (MeshFormat::Gltf | MeshFormat::Glb) => {
-            animation::list(&open(format, &bytes, path)?).map_err(|fault| fault.in_file(path))
+            animation::list(&open(format, &bytes, path)?).map_err(|fault| broken(fault, path))
         }
         _ => Ok(Vec::new()),
     }
@@ -52,16 +52,20 @@ pub(crate) fn parse(
         None => None,
         Some(wanted) => Some(choose(&asset, wanted, path)?),
     };
-    assemble(&asset, animation, options.time).map_err(|fault| fault.in_file(path))
+    assemble(&asset, animation, options.time).map_err(|fault| broken(fault, path))
+}
+
+/// The author of a broken file is a program; its user can only find out more, or try again.
+fn broken(fault: Fault, path: &Path) -> MeshIoError {
+    fault.advise("check the file with a glTF validator, or export it again").in_file(path)
 }
 
 fn open<'a>(format: MeshFormat, bytes: &'a [u8], path: &Path) -> Result<Asset<'a>, MeshIoError> {
-    let fault = |fault: Fault| fault.in_file(path);
-    let (root, chunk) = buffers::split(format, bytes).map_err(fault)?;
+    let (root, chunk) = buffers::split(format, bytes).map_err(|fault| broken(fault, path))?;
     if let Some(name) = root.extensions_required.iter().find(|e| UNREADABLE.contains(&e.as_str())) {
         let reason =
             format!("the file needs {name}, which is not supported; export it without (no compression)");
-        return Err(fault(Fault::unsupported(None, reason)));
+        return Err(Fault::unsupported(None, reason).in_file(path));
     }
     let buffers = buffers::load(&root, chunk, path)?;
     Ok(Asset { root, buffers })
@@ -74,7 +78,7 @@ fn choose(asset: &Asset, wanted: &str, path: &Path) -> Result<usize, MeshIoError
     let by_number = || wanted.parse().ok().filter(|&n: &usize| n < animations.len());
     by_name.or_else(by_number).map_or_else(
         || {
-            let available = animation::list(asset).map_err(|fault| fault.in_file(path))?;
+            let available = animation::list(asset).map_err(|fault| broken(fault, path))?;
             Err(MeshIoError::NoAnimation { path: path.to_path_buf(), wanted: wanted.to_owned(), available })
         },
         Ok,

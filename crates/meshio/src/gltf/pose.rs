@@ -81,7 +81,7 @@ impl Hierarchy {
         let order = descend(root, &roots);
         // With one parent each, nodes that no root leads to go round in a circle.
         if order.len() < root.nodes.len() {
-            return Err(Fault::new("some nodes are their own ancestors; export the file again"));
+            return Err(Fault::new("some nodes are their own ancestors"));
         }
         let scene = match root.scene.map_or(0, |s| s.value()) {
             0 if root.scenes.is_empty() => roots,

@@ -14,7 +14,7 @@ pub(super) fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<jso
 /// Positions before any transform, with the morph targets blended in.
 pub(super) fn positions(asset: &Asset, primitive: &Primitive, morph: &[f64]) -> Result<Vec<[f64; 3]>, Fault> {
     let accessor = attribute(primitive, Semantic::Positions)
-        .ok_or_else(|| Fault::new("a mesh primitive has no POSITION; export the file again"))?;
+        .ok_or_else(|| Fault::new("a mesh primitive has no POSITION"))?;
     let mut positions: Vec<[f64; 3]> = asset.rows(accessor, Type::Vec3)?.iter().collect();
     for (target, &weight) in primitive.targets.iter().flatten().zip(morph) {
         let Some(accessor) = target.positions.filter(|_| weight != 0.0) else { continue };

@@ -4,11 +4,14 @@ mod glb;
 mod off;
 mod ply;
 mod vti;
+mod vtk;
+mod vtp;
 
 pub use glb::write_glb;
 pub use off::write_off;
 pub use ply::write_ply;
 pub use vti::{VoxelField, VoxelValues, write_vti};
+pub use vtp::write_vtp;
 
 use crate::MeshIoError;
 use mser3d_shape::TriangleMesh;

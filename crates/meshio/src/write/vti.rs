@@ -1,4 +1,5 @@
 use super::check_length;
+use super::vtk::{Appended, FLOAT64, INT32, UINT8, VtkFile};
 use crate::{MeshIoError, write_atomically};
 use mser3d_shape::VoxelGrid;
 use std::io::{self, Write};
@@ -29,14 +30,6 @@ impl VoxelValues<'_> {
             Self::Numbers(values) => values.len(),
         }
     }
-
-    /// The name of the type in VTK and the bytes that a value takes.
-    fn vtk_type(&self) -> (&'static str, u64) {
-        match self {
-            Self::Labels(_) => ("Int32", 4),
-            Self::Numbers(_) => ("Float64", 8),
-        }
-    }
 }
 
 /// Writes a voxel grid as VTK's ImageData (`.vti`), as ParaView opens it: cell data over the whole
@@ -54,47 +47,46 @@ pub fn write_vti(path: &Path, grid: &VoxelGrid, fields: &[VoxelField]) -> Result
             return Err(MeshIoError::BadParameter { parameter: "field name", reason });
         }
     }
-    write_atomically(path, |out| {
-        let frame = grid.frame();
-        let [nx, ny, nz] = frame.dims();
-        let cells = nx as u64 * ny as u64 * nz as u64;
-        let triple = |v: [f64; 3]| format!("{:?} {:?} {:?}", v[0], v[1], v[2]);
-        writeln!(
-            out,
-            "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" \
-             header_type=\"UInt64\">\n<ImageData WholeExtent=\"0 {nx} 0 {ny} 0 {nz}\" Origin=\"{}\" Spacing=\"{}\">",
-            triple(frame.origin()),
-            triple(frame.spacing())
-        )?;
-        let active = fields.first().map_or("inside", |f| f.name);
-        writeln!(out, "<Piece Extent=\"0 {nx} 0 {ny} 0 {nz}\">\n<CellData Scalars=\"{active}\">")?;
-        let mut offset = 0;
-        let types = fields.iter().map(|f| (f.name, f.values.vtk_type())).chain([("inside", ("UInt8", 1))]);
-        for (name, (kind, size)) in types {
-            writeln!(
-                out,
-                "<DataArray type=\"{kind}\" Name=\"{name}\" format=\"appended\" offset=\"{offset}\"/>"
-            )?;
-            offset += 8 + cells * size;
-        }
-        out.write_all(b"</CellData>\n</Piece>\n</ImageData>\n<AppendedData encoding=\"raw\">\n_")?;
-        for field in fields {
-            out.write_all(&(cells * field.values.vtk_type().1).to_le_bytes())?;
-            match field.values {
-                VoxelValues::Labels(labels) => {
-                    each_cell(grid, |voxel| out.write_all(&voxel.map_or(-2, |v| labels[v]).to_le_bytes()))?;
-                }
-                VoxelValues::Numbers(numbers) => {
+    let frame = grid.frame();
+    let [nx, ny, nz] = frame.dims();
+    let cells = nx as u64 * ny as u64 * nz as u64;
+    let triple = |v: [f64; 3]| format!("{:?} {:?} {:?}", v[0], v[1], v[2]);
+    let mut file = VtkFile::new("ImageData");
+    file.line(&format!(
+        "<ImageData WholeExtent=\"0 {nx} 0 {ny} 0 {nz}\" Origin=\"{}\" Spacing=\"{}\">",
+        triple(frame.origin()),
+        triple(frame.spacing())
+    ));
+    let active = fields.first().map_or("inside", |f| f.name);
+    file.line(&format!("<Piece Extent=\"0 {nx} 0 {ny} 0 {nz}\">\n<CellData Scalars=\"{active}\">"));
+    for field in fields {
+        let (kind, write): (_, Box<dyn Fn(&mut dyn Write) -> io::Result<()>>) = match field.values {
+            VoxelValues::Labels(labels) => (
+                INT32,
+                Box::new(move |out| {
+                    each_cell(grid, |voxel| out.write_all(&voxel.map_or(-2, |v| labels[v]).to_le_bytes()))
+                }),
+            ),
+            VoxelValues::Numbers(numbers) => (
+                FLOAT64,
+                Box::new(move |out| {
                     each_cell(grid, |voxel| {
                         out.write_all(&voxel.map_or(f64::NAN, |v| numbers[v]).to_le_bytes())
-                    })?;
-                }
-            }
-        }
-        out.write_all(&cells.to_le_bytes())?;
-        each_cell(grid, |voxel| out.write_all(&[voxel.is_some().into()]))?;
-        out.write_all(b"\n</AppendedData>\n</VTKFile>\n")
-    })
+                    })
+                }),
+            ),
+        };
+        file.array(Appended { kind, name: field.name, components: 1, rows: cells, write });
+    }
+    file.array(Appended {
+        kind: UINT8,
+        name: "inside",
+        components: 1,
+        rows: cells,
+        write: Box::new(|out| each_cell(grid, |voxel| out.write_all(&[voxel.is_some().into()]))),
+    });
+    file.line("</CellData>\n</Piece>");
+    write_atomically(path, |out| file.write(out))
 }
 
 /// Every cell of the box, x fastest, with the number of its voxel if it is occupied.
