@@ -38,10 +38,8 @@ fn basis(k: usize) -> Eigenbasis {
 fn signatures(c: &mut Criterion) {
     let basis = basis(100);
     let n = basis.len() as u32;
-    let edges: Vec<[u32; 2]> = [1, 150, 3000]
-        .into_iter()
-        .flat_map(|step| (0..n - step).map(move |v| [v, v + step]))
-        .collect();
+    let edges: Vec<[u32; 2]> =
+        [1, 150, 3000].into_iter().flat_map(|step| (0..n - step).map(move |v| [v, v + step])).collect();
     let t = TimeScale::Relative(0.5).on(&basis).expect("a positive time");
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     let mut group = c.benchmark_group("45000 voxels, 100 eigenpairs");
@@ -62,7 +60,8 @@ fn transforms(c: &mut Criterion) {
     let samples: Vec<f64> = (0..384).map(|j| (j as f64 * 0.1).sin()).collect();
     let mut group = c.benchmark_group("384 samples to 6 frequencies");
     let fft = realfft::RealFftPlanner::<f64>::new().plan_fft_forward(384);
-    let (mut input, mut output, mut scratch) = (samples.clone(), fft.make_output_vec(), fft.make_scratch_vec());
+    let (mut input, mut output, mut scratch) =
+        (samples.clone(), fft.make_output_vec(), fft.make_scratch_vec());
     group.bench_function("realfft", |b| {
         b.iter(|| {
             input.copy_from_slice(&samples);

@@ -140,7 +140,7 @@ pub fn si_hks(
         |(slopes, transform, scratch), (block, rows)| {
             let first = block * BLOCK;
             let count = rows.len() / frequencies;
-            table.slopes(count, |i| basis.at(selection.vertex(first + i)), slopes);
+            table.slopes((first..first + count).map(|row| basis.at(selection.vertex(row))), slopes);
             for (slope, row) in slopes.chunks_exact_mut(samples).zip(rows.chunks_exact_mut(frequencies)) {
                 fft.process_with_scratch(slope, transform, scratch)
                     .expect("buffers were made by this transform");

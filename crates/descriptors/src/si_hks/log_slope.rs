@@ -1,100 +1,131 @@
 //! `d/dtau log H` of many vertices at many times (eq. 9): nearly all the work of the signature.
+//!
+//! A product of two matrices, phi^2 (vertices x modes) and the exponentials (modes x samples), except that a
+//! mode takes part only until it has decayed: a third of all pairs. Small tiles of the result are kept in
+//! registers; written with explicit vectors, since the plain loops came out three times slower.
 
 use crate::spectrum;
+use pulp::{Arch, Simd, WithSimd};
 use std::f64::consts::LN_2;
 
-/// Samples in a tile: one or two vector registers.
+/// Samples in a tile: two registers of four, or one of eight.
 const LANES: usize = 8;
-/// Vertices that share each load of the table.
+/// Vertices in a tile, which share each load of the exponentials.
 const VERTICES: usize = 4;
-/// Vertices in a block: their squares and one tile stay in the first-level cache.
+/// Vertices in a block: their squares and one tile's exponentials stay in the first-level cache.
 pub(super) const BLOCK: usize = 32;
 
-/// The exponentials at a few neighbouring samples, for the modes that count there.
-struct Tile {
-    /// For each mode: `e = exp(-(lambda - lambda_0) t)` and `ln 2 lambda t e` at each sample.
-    modes: Vec<[[f64; LANES]; 2]>,
-}
+/// At the samples of one tile, for each mode that counts there: `e = exp(-(lambda - lambda_0) t)` and
+/// `ln 2 lambda t e`. The common factor `exp(-lambda_0 t)` cancels in the slope, so it cannot underflow.
+type Exponentials = Vec<[[f64; LANES]; 2]>;
 
 /// The exponentials at all samples.
 pub(super) struct SlopeTable {
-    tiles: Vec<Tile>,
+    tiles: Vec<Exponentials>,
     samples: usize,
-    arch: pulp::Arch,
+    arch: Arch,
 }
 
 impl SlopeTable {
     /// `times` ascend.
     pub(super) fn new(eigenvalues: &[f64], times: &[f64]) -> Self {
         let slowest = eigenvalues.first().copied().unwrap_or(0.0);
-        let tile = |times: &[f64]| {
+        let tile = |times: &[f64]| -> Exponentials {
             let live = &eigenvalues[..spectrum::live_modes(eigenvalues, times[0])];
-            let modes = live.iter().map(|l| {
+            let entry = |lambda: &f64| {
                 let mut entry = [[0.0; LANES]; 2];
                 for (lane, t) in times.iter().enumerate() {
-                    // The common factor exp(-lambda_0 t) cancels, so it cannot underflow either.
-                    let decay = (-(l - slowest) * t).exp();
-                    entry[0][lane] = decay;
-                    entry[1][lane] = LN_2 * l * t * decay;
+                    entry[0][lane] = (-(lambda - slowest) * t).exp();
+                    entry[1][lane] = LN_2 * lambda * t * entry[0][lane];
                 }
                 entry
-            });
-            Tile { modes: modes.collect() }
+            };
+            live.iter().map(entry).collect()
         };
         let tiles = times.chunks(LANES).map(tile).collect();
-        Self { tiles, samples: times.len(), arch: pulp::Arch::new() }
+        Self { tiles, samples: times.len(), arch: Arch::new() }
     }
 
-    /// Writes `count <= BLOCK` rows of slopes; `phi(i)` gives the values of all modes at the i-th vertex.
-    pub(super) fn slopes<'a>(&self, count: usize, phi: impl Fn(usize) -> &'a [f64], rows: &mut [f64]) {
-        let modes = self.tiles.first().map_or(0, |tile| tile.modes.len());
-        let groups = count.div_ceil(VERTICES);
-        // phi^2, mode by mode within each group of vertices; a group's missing vertices stay zero.
-        let mut squares = vec![[0.0; VERTICES]; groups * modes];
-        for i in 0..count {
+    /// Writes the slopes of up to [`BLOCK`] vertices, a row each; `phi` gives the values of all modes at each.
+    pub(super) fn slopes<'a>(&self, phi: impl ExactSizeIterator<Item = &'a [f64]>, rows: &mut [f64]) {
+        let modes = self.tiles.first().map_or(0, Vec::len);
+        let count = phi.len();
+        // Mode by mode within each group of vertices; the last group's missing vertices stay zero.
+        let mut squares = vec![[0.0; VERTICES]; count.div_ceil(VERTICES) * modes];
+        for (i, phi) in phi.enumerate() {
             let group = &mut squares[i / VERTICES * modes..][..modes];
-            for (square, phi) in group.iter_mut().zip(phi(i)) {
+            for (square, phi) in group.iter_mut().zip(phi) {
                 square[i % VERTICES] = phi * phi;
             }
         }
-        self.arch.dispatch(|| self.fill(count, modes, &squares, rows));
+        self.arch.dispatch(Block { table: self, modes, squares: &squares, rows });
     }
+}
+
+struct Block<'a> {
+    table: &'a SlopeTable,
+    modes: usize,
+    squares: &'a [[f64; VERTICES]],
+    rows: &'a mut [f64],
+}
+
+impl WithSimd for Block<'_> {
+    type Output = ();
 
     #[inline(always)]
-    fn fill(&self, count: usize, modes: usize, squares: &[[f64; VERTICES]], rows: &mut [f64]) {
-        for (number, tile) in self.tiles.iter().enumerate() {
+    fn with_simd<S: Simd>(self, simd: S) {
+        for (number, tile) in self.table.tiles.iter().enumerate() {
             let first = number * LANES;
-            let width = LANES.min(self.samples - first);
-            for (group, squares) in squares.chunks_exact(modes).enumerate() {
-                let slopes = tile_slopes(&tile.modes, squares);
-                for (i, slope) in slopes.iter().enumerate().take(count - group * VERTICES) {
-                    let row = (group * VERTICES + i) * self.samples + first;
-                    rows[row..row + width].copy_from_slice(&slope[..width]);
+            let width = LANES.min(self.table.samples - first);
+            for (group, squares) in self.squares.chunks_exact(self.modes).enumerate() {
+                let slopes = match S::F64_LANES {
+                    8 => tile_slopes::<S, 1>(simd, tile, squares),
+                    4 => tile_slopes::<S, 2>(simd, tile, squares),
+                    2 => tile_slopes::<S, 4>(simd, tile, squares),
+                    _ => tile_slopes::<S, 8>(simd, tile, squares),
+                };
+                let rows = self.rows.chunks_exact_mut(self.table.samples).skip(group * VERTICES);
+                for (row, slopes) in rows.zip(&slopes) {
+                    row[first..first + width].copy_from_slice(&slopes[..width]);
                 }
             }
         }
     }
 }
 
-/// One tile of samples for one group of vertices. The modes are added in ascending order in each lane, so
-/// that the sum doesn't depend on the width of the machine's registers.
+/// One tile: R registers make up its samples. Each lane adds the modes in ascending order, multiplication and
+/// addition rounded apart, so that all machines get the same bits.
 #[inline(always)]
-fn tile_slopes(modes: &[[[f64; LANES]; 2]], squares: &[[f64; VERTICES]]) -> [[f64; LANES]; VERTICES] {
-    let mut heat = [[0.0; LANES]; VERTICES];
-    let mut loss = [[0.0; LANES]; VERTICES];
+fn tile_slopes<S: Simd, const R: usize>(
+    simd: S,
+    modes: &[[[f64; LANES]; 2]],
+    squares: &[[f64; VERTICES]],
+) -> [[f64; LANES]; VERTICES] {
+    let registers = |values: &[f64; LANES]| -> [S::f64s; R] {
+        let (vectors, _) = S::as_simd_f64s(values);
+        std::array::from_fn(|r| vectors[r])
+    };
+    let zero = simd.splat_f64s(0.0);
+    let mut heat = [[zero; R]; VERTICES];
+    let mut loss = [[zero; R]; VERTICES];
     for ([decay, rate], square) in modes.iter().zip(squares) {
+        let (decay, rate) = (registers(decay), registers(rate));
         for v in 0..VERTICES {
-            for lane in 0..LANES {
-                heat[v][lane] += square[v] * decay[lane];
-                loss[v][lane] += square[v] * rate[lane];
+            let square = simd.splat_f64s(square[v]);
+            for r in 0..R {
+                heat[v][r] = simd.add_f64s(heat[v][r], simd.mul_f64s(square, decay[r]));
+                loss[v][r] = simd.add_f64s(loss[v][r], simd.mul_f64s(square, rate[r]));
             }
         }
     }
-    let mut slope = [[0.0; LANES]; VERTICES];
+    let mut slopes = [[0.0; LANES]; VERTICES];
     for v in 0..VERTICES {
-        for lane in 0..LANES {
-            slope[v][lane] = if heat[v][lane] > 0.0 { -loss[v][lane] / heat[v][lane] } else { 0.0 };
+        let (vectors, _) = S::as_mut_simd_f64s(&mut slopes[v]);
+        for r in 0..R {
+            vectors[r] = simd.div_f64s(loss[v][r], heat[v][r]);
         }
+        // No heat at all: 0/0, which is defined as no slope.
+        slopes[v] = slopes[v].map(|x| if x.is_nan() { 0.0 } else { -x });
     }
-    slope
+    slopes
 }
