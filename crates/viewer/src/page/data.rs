@@ -1,0 +1,169 @@
+use mser3d_shape::{TriangleMesh, VoxelGrid};
+
+use crate::model::fits;
+use crate::{Rgb, Up, ViewerError};
+
+/// Everything a page shows: one shape, or two beside each other.
+#[derive(Clone, Debug)]
+pub struct PageData<'a> {
+    /// Heading of the page.
+    pub title: String,
+    /// One shape or two.
+    pub shapes: Vec<PageShape<'a>>,
+    /// Regions of the first shape and what they are matched with in the second. Give matched regions
+    /// equal colours ([`linked_colours`](crate::linked_colours)).
+    pub matches: Vec<PageMatch>,
+    /// The axis that points up.
+    pub up: Up,
+}
+
+/// A shape on a page.
+#[derive(Clone, Debug)]
+pub struct PageShape<'a> {
+    /// Its name, such as its file's.
+    pub name: String,
+    /// Its surface.
+    pub mesh: &'a TriangleMesh,
+    /// Its inside, if it was detected in: shown where a plane cuts the shape.
+    pub grid: Option<&'a VoxelGrid>,
+    /// Its regions, in the order of their ids.
+    pub regions: Vec<PageRegion<'a>>,
+    /// The trees the regions come from, one per time scale; may be empty.
+    pub trees: Vec<PageTree<'a>>,
+    /// Facts listed below the regions: what they are called and what they are.
+    pub facts: Vec<[String; 2]>,
+}
+
+/// A region and its numbers.
+#[derive(Clone, Debug)]
+pub struct PageRegion<'a> {
+    /// Its colour on the page.
+    pub colour: Rgb,
+    /// The smallest region that contains it.
+    pub parent: Option<u32>,
+    /// Weight at which its component comes into being.
+    pub altitude: f64,
+    /// Stability (eq. 5); infinite where nothing changes.
+    pub stability: f64,
+    /// Volume in length^3 (of a surface: area in length^2).
+    pub volume: f64,
+    /// Share of the whole volume or area.
+    pub volume_fraction: f64,
+    /// Vertices of the mesh in it.
+    pub vertices: &'a [u32],
+    /// Voxels of the grid in it; empty without a grid.
+    pub voxels: &'a [u32],
+    /// The tree it comes from, by its place in [`PageShape::trees`], and its node there.
+    pub node: Option<[u32; 2]>,
+}
+
+/// A component tree as plain arrays. Nodes are numbered children first, as `ComponentTree` does.
+#[derive(Clone, Debug)]
+pub struct PageTree<'a> {
+    /// Its name, such as its time scale.
+    pub name: String,
+    /// Whether the level falls (superlevel sets): the highest altitudes come first.
+    pub superlevel: bool,
+    /// Parent of each node; `u32::MAX` for a root.
+    pub parents: &'a [u32],
+    /// Altitude of each node.
+    pub altitudes: &'a [f64],
+    /// Volume of each node.
+    pub volumes: &'a [f64],
+    /// For each voxel (without a grid: each vertex), the node in which it enters.
+    pub entry: &'a [u32],
+}
+
+/// A region of the first shape matched with one of the second.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PageMatch {
+    /// Id in the first shape.
+    pub first: u32,
+    /// Id in the second shape.
+    pub second: u32,
+    /// Distance of their descriptors.
+    pub distance: f64,
+}
+
+impl PageData<'_> {
+    /// Checks that all numbers fit the shapes they refer to.
+    pub(crate) fn check(&self) -> Result<(), ViewerError> {
+        if !(1..=2).contains(&self.shapes.len()) {
+            let value = self.shapes.len().to_string();
+            return Err(ViewerError::BadOption {
+                option: "number of shapes on a page",
+                value,
+                allowed: "1 or 2",
+            });
+        }
+        self.shapes.iter().try_for_each(PageShape::check)?;
+        let count = |shape: usize| self.shapes.get(shape).map_or(0, |s| s.regions.len());
+        for (number, pair) in self.matches.iter().enumerate() {
+            in_range("match", number, "region", pair.first, count(0))?;
+            in_range("match", number, "region", pair.second, count(1))?;
+        }
+        Ok(())
+    }
+}
+
+impl PageShape<'_> {
+    fn check(&self) -> Result<(), ViewerError> {
+        if self.mesh.triangles().is_empty() {
+            return Err(ViewerError::Empty { reason: "the mesh has no triangles" });
+        }
+        let vertices = self.mesh.vertices().len();
+        let voxels = self.grid.map_or(0, VoxelGrid::len);
+        for (number, region) in self.regions.iter().enumerate() {
+            for &v in region.vertices {
+                in_range("region", number, "vertex", v, vertices)?;
+            }
+            for &v in region.voxels {
+                in_range("region", number, "voxel", v, voxels)?;
+            }
+            if let Some(parent) = region.parent {
+                in_range("region", number, "region", parent, self.regions.len())?;
+            }
+            if let Some([tree, node]) = region.node {
+                in_range("region", number, "tree", tree, self.trees.len())?;
+                in_range("region", number, "node", node, self.trees[tree as usize].parents.len())?;
+            }
+        }
+        let elements = if self.grid.is_some() { voxels } else { vertices };
+        self.trees.iter().try_for_each(|tree| tree.check(elements))
+    }
+}
+
+impl PageTree<'_> {
+    fn check(&self, elements: usize) -> Result<(), ViewerError> {
+        let nodes = self.parents.len();
+        fits("altitudes of a tree's nodes", self.altitudes.len(), nodes)?;
+        fits("volumes of a tree's nodes", self.volumes.len(), nodes)?;
+        fits("entry nodes of a tree", self.entry.len(), elements)?;
+        for (number, &parent) in self.parents.iter().enumerate() {
+            if parent != u32::MAX && (parent as usize <= number || parent as usize >= nodes) {
+                return Err(ViewerError::BadOption {
+                    option: "parent of a tree's node",
+                    value: format!("{parent} for node {number}"),
+                    allowed: "a greater number of a node, or u32::MAX for a root",
+                });
+            }
+        }
+        if let Some(number) = self.altitudes.iter().position(|a| a.is_nan()) {
+            return Err(ViewerError::NotFinite { what: "the altitude of node", number });
+        }
+        self.entry.iter().enumerate().try_for_each(|(e, &n)| in_range("element", e, "node", n, nodes))
+    }
+}
+
+fn in_range(
+    what: &'static str,
+    number: usize,
+    target: &'static str,
+    index: u32,
+    count: usize,
+) -> Result<(), ViewerError> {
+    if (index as usize) < count {
+        return Ok(());
+    }
+    Err(ViewerError::OutOfRange { what, number, target, index: index.into(), count })
+}

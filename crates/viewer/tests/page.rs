@@ -1,0 +1,123 @@
+//! Facts about the page's text; how it works in a browser is tested by `cargo xtask browser-test`.
+
+use base64::Engine;
+use mser3d_shape::{BitGrid, Frame, TriangleMesh, VoxelGrid};
+use mser3d_viewer::{PALETTE, PageData, PageMatch, PageRegion, PageShape, PageTree, Up, ViewerError, page};
+use serde_json::Value;
+
+fn tetrahedron() -> TriangleMesh {
+    let corners = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
+    TriangleMesh::new(corners, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]).unwrap()
+}
+
+fn grid() -> VoxelGrid {
+    let frame = Frame::new([2, 1, 1], [0.0; 3], [0.5; 3]).unwrap();
+    VoxelGrid::solid(frame, BitGrid::full([2, 1, 1]).unwrap()).unwrap()
+}
+
+fn region<'a>(vertices: &'a [u32], voxels: &'a [u32], volume: f64) -> PageRegion<'a> {
+    PageRegion {
+        colour: PALETTE[0],
+        parent: None,
+        altitude: 0.5,
+        stability: f64::INFINITY,
+        volume,
+        volume_fraction: 0.5,
+        vertices,
+        voxels,
+        node: Some([0, 0]),
+    }
+}
+
+fn tree() -> PageTree<'static> {
+    PageTree {
+        name: "t = 1".into(),
+        superlevel: true,
+        parents: &[1, u32::MAX],
+        altitudes: &[2.0, 1.0],
+        volumes: &[0.125, 0.25],
+        entry: &[0, 1],
+    }
+}
+
+fn shape<'a>(mesh: &'a TriangleMesh, grid: &'a VoxelGrid) -> PageShape<'a> {
+    PageShape {
+        name: "a </script><b>".into(),
+        mesh,
+        grid: Some(grid),
+        regions: vec![region(&[0, 1, 3], &[0, 1], 2.0), region(&[1], &[1], 1.0)],
+        trees: vec![tree()],
+        facts: vec![["pitch".into(), "0.5".into()]],
+    }
+}
+
+fn data<'a>(shapes: Vec<PageShape<'a>>) -> PageData<'a> {
+    PageData { title: "x < y & z".into(), shapes, matches: vec![], up: Up::Y }
+}
+
+/// The text between a mark and the next closing script tag.
+fn script<'a>(html: &'a str, mark: &str) -> &'a str {
+    let from = html.find(mark).unwrap() + mark.len();
+    &html[from..from + html[from..].find("</script>").unwrap()]
+}
+
+#[test]
+fn the_page_holds_its_data_and_asks_for_nothing_else() {
+    let (mesh, grid) = (tetrahedron(), grid());
+    let html = page(&data(vec![shape(&mesh, &grid)])).unwrap();
+    assert!(!html.contains("{{") && html.contains("<title>x &lt; y &amp; z</title>"));
+    // The only address is the name of the SVG namespace.
+    assert_eq!(html.matches("http").count(), html.matches("http-equiv").count() + 1);
+    assert!(html.contains("default-src 'none'"));
+
+    let head: Value = serde_json::from_str(script(&html, "id=\"head\">")).unwrap();
+    let one = &head["shapes"][0];
+    assert_eq!(one["name"], "a </script><b>");
+    assert_eq!(one["closed"], true);
+    assert_eq!(one["regions"][0]["stability"], Value::Null);
+    let bytes = base64::engine::general_purpose::STANDARD.decode(script(&html, "id=\"arrays\">")).unwrap();
+    let labels = |part: &Value| -> Vec<i16> {
+        let (start, length) =
+            (part["start"].as_u64().unwrap() as usize, part["length"].as_u64().unwrap() as usize);
+        bytes[start..start + 2 * length].chunks(2).map(|b| i16::from_le_bytes([b[0], b[1]])).collect()
+    };
+    // The innermost region counts.
+    assert_eq!(labels(&one["label"]), [0, 1, -1, 0]);
+    assert_eq!(labels(&one["grid"]["label"]), [0, 1]);
+    assert_eq!(one["trees"][0]["parents"], serde_json::json!([0]));
+}
+
+#[test]
+fn the_same_data_give_the_same_bytes() {
+    let (mesh, grid) = (tetrahedron(), grid());
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| page(&data(vec![shape(&mesh, &grid), shape(&mesh, &grid)])).unwrap())
+    };
+    assert_eq!(with(1), with(3));
+}
+
+#[test]
+fn data_that_do_not_fit_are_named() {
+    let (mesh, grid) = (tetrahedron(), grid());
+    let good = || shape(&mesh, &grid);
+    let error = |shapes| page(&data(shapes)).unwrap_err().to_string();
+    assert!(error(vec![]).starts_with("number of shapes on a page is 0"));
+
+    let mut wrong = good();
+    wrong.regions[1].vertices = &[1, 4];
+    assert_eq!(error(vec![wrong]), "region 1 names vertex 4, but there are only 4 (numbered from 0)");
+    let mut wrong = good();
+    wrong.trees[0].entry = &[0];
+    assert!(error(vec![wrong]).starts_with("entry nodes of a tree: 1 given, 2 needed"));
+    let mut wrong = good();
+    wrong.trees[0].parents = &[u32::MAX, 0];
+    assert!(error(vec![wrong]).starts_with("parent of a tree's node is 0 for node 1"));
+    let mut wrong = good();
+    wrong.regions[0].node = Some([1, 0]);
+    assert_eq!(error(vec![wrong]), "region 0 names tree 1, but there are only 1 (numbered from 0)");
+
+    let matches = vec![PageMatch { first: 0, second: 2, distance: 0.1 }];
+    let pair = PageData { matches, ..data(vec![good(), good()]) };
+    assert!(matches!(page(&pair), Err(ViewerError::OutOfRange { what: "match", index: 2, .. })));
+}
