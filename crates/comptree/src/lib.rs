@@ -34,17 +34,15 @@
 //! ```
 #![warn(missing_docs)]
 
-mod edge_tree;
+mod build;
 mod error;
 mod grey;
-mod layout;
 mod order;
 mod petgraph;
 mod pool;
 mod stability;
 mod topology;
 mod tree;
-mod vertex_tree;
 
 pub use error::TreeError;
 pub use grey::GreyValue;

@@ -25,14 +25,6 @@ impl Polarity {
             Self::Superlevel => 0.0 - weight,
         }
     }
-
-    /// All weights as rising levels.
-    pub(crate) fn orient_all(self, weights: &[f64], what: &'static str) -> Result<Vec<f64>, TreeError> {
-        match weights.iter().position(|w| w.is_nan()) {
-            Some(index) => Err(TreeError::NotANumber { what, index }),
-            None => Ok(weights.iter().map(|&w| self.orient(w)).collect()),
-        }
-    }
 }
 
 /// The volume of each vertex: what a region is measured in.
@@ -90,12 +82,4 @@ impl Volumes<'_> {
             None => Ok(()),
         }
     }
-}
-
-/// A number of vertices or edges that 32-bit numbers count, `NONE` kept free.
-pub(crate) fn check_count(what: &'static str, count: usize) -> Result<(), TreeError> {
-    if count >= NONE as usize {
-        return Err(TreeError::TooMany { what, count: count as u128, limit: u128::from(NONE) - 1 });
-    }
-    Ok(())
 }

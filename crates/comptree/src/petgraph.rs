@@ -28,7 +28,7 @@ impl ComponentTree {
     where
         G: IntoEdgeReferences + NodeCompactIndexable,
     {
-        crate::order::check_count("vertices", graph.node_count())?;
+        crate::build::check_limit("vertices", graph.node_count() as u128)?;
         let weights: Vec<f64> = graph.edge_references().map(weight).collect();
         Self::from_edge_weights(graph.node_count(), &edges(graph), &weights, volumes, polarity)
     }
@@ -47,7 +47,7 @@ impl ComponentTree {
     where
         G: IntoEdgeReferences + NodeCompactIndexable,
     {
-        crate::order::check_count("vertices", graph.node_count())?;
+        crate::build::check_limit("vertices", graph.node_count() as u128)?;
         let weights: Vec<f64> = (0..graph.node_count()).map(|i| weight(graph.from_index(i))).collect();
         Self::from_vertex_weights(&edges(graph), &weights, volumes, polarity)
     }

@@ -1,7 +1,7 @@
 //! All ways to build a tree give the same tree.
 mod common;
 
-use common::{check_structure, components_by_threshold, components_of};
+use common::{check_structure, components_by_threshold, components_of, facts_by_kruskal, facts_of};
 use mser3d_comptree::{ComponentTree, GreyValue, Polarity, Stencil, TreeError};
 use mser3d_shape::{BitGrid, Connectivity, Frame, Graph, VoxelGrid};
 use proptest::prelude::*;
@@ -95,6 +95,12 @@ proptest! {
             for connectivity in [Connectivity::Six, Connectivity::TwentySix] {
                 let implicit = ComponentTree::from_voxel_grid(grid, connectivity, values, 1.0, polarity).unwrap();
                 let graph = grid.graph(connectivity).unwrap();
+                let sum = |u: u32, v: u32| values[u as usize] + values[v as usize];
+                let by_edge = ComponentTree::from_voxel_grid_edges(grid, connectivity, sum, 1.0, polarity).unwrap();
+                let edges: Vec<[u32; 2]> = graph.edges().collect();
+                let weights: Vec<f64> = edges.iter().map(|&[u, v]| sum(u, v)).collect();
+                let listed = ComponentTree::from_edge_weights(grid.len(), &edges, &weights, 1.0, polarity).unwrap();
+                prop_assert_eq!(by_edge, listed);
                 prop_assert_eq!(&implicit, &ComponentTree::from_graph(&graph, values, 1.0, polarity).unwrap());
                 if grid == &solid {
                     let masked = ComponentTree::from_mask(&mask, connectivity, values, 1.0, polarity).unwrap();
@@ -143,32 +149,34 @@ fn large_fields() -> Vec<Vec<f64>> {
     let at = |v: usize| [v % 48, v / 48 % 47, v / 48 / 47].map(|c| c as f64);
     let smooth: Vec<f64> = (0..n).map(|v| at(v).map(|c| (c * 0.37).sin()).iter().sum()).collect();
     let grey = smooth.iter().map(|v| (v * 20.0).round()).collect();
-    let skewed = white.iter().map(|v| (v * 600.0).exp() * if *v < 0.01 { f64::INFINITY } else { 1.0 }).collect();
+    let skewed =
+        white.iter().map(|v| (v * 600.0).exp() * if *v < 0.01 { f64::INFINITY } else { 1.0 }).collect();
     let close = white.iter().map(|v| if *v < 0.001 { 1e9 } else { 1.0 + v * 1e-13 }).collect();
     vec![white, smooth, grey, skewed, close]
 }
 
 #[test]
-fn large_fields_agree_with_kruskal_on_edges() {
+fn large_fields_agree_with_kruskals_algorithm() {
     let dims = [48, 47, 46];
     let frame = Frame::new(dims, [0.0; 3], [1.0; 3]).unwrap();
-    let graph: Graph =
-        VoxelGrid::solid(frame, BitGrid::full(dims).unwrap()).unwrap().graph(Connectivity::Six).unwrap();
-    let edges: Vec<[u32; 2]> = graph.edges().collect();
+    let solid = VoxelGrid::solid(frame, BitGrid::full(dims).unwrap()).unwrap();
+    let edges: Vec<[u32; 2]> = solid.graph(Connectivity::Six).unwrap().edges().collect();
     for values in large_fields() {
+        let value = |v: u32| values[v as usize];
         let tree = ComponentTree::from_grid(dims, Stencil::Six, &values, 1.0, Polarity::Sublevel).unwrap();
-        let weights: Vec<f64> = edges.iter().map(|&[u, v]| values[u as usize].max(values[v as usize])).collect();
-        let oracle =
-            ComponentTree::from_edge_weights(values.len(), &edges, &weights, 1.0, Polarity::Sublevel).unwrap();
-        // Slices tell sets apart up to their order; sums of squares tell the sets.
-        let facts = |tree: &ComponentTree| {
-            let squares = tree.accumulate(|v| u128::from(v).pow(2), |a, b| *a += b);
-            let node = |i: u32| (tree.vertices(i).len(), tree.altitude(i).to_bits(), squares[i as usize]);
-            let mut facts: Vec<_> = (0..tree.len() as u32).map(node).filter(|f| f.0 > 1).collect();
-            facts.sort_unstable();
-            facts
-        };
-        assert!(facts(&tree) == facts(&oracle));
+        let weights: Vec<f64> = edges.iter().map(|&[u, v]| value(u).max(value(v))).collect();
+        assert!(facts_of(&tree) == facts_by_kruskal(values.len(), &edges, &weights));
+
+        // Infinity from infinity is NaN.
+        let difference = |u, v| if value(u) == value(v) { 0.0 } else { (value(u) - value(v)).abs() };
+        let tree =
+            ComponentTree::from_grid_edges(dims, Stencil::Six, difference, 1.0, Polarity::Sublevel).unwrap();
+        let weights: Vec<f64> = edges.iter().map(|&[u, v]| difference(u, v)).collect();
+        assert!(facts_of(&tree) == facts_by_kruskal(values.len(), &edges, &weights));
+        let listed =
+            ComponentTree::from_edge_weights(values.len(), &edges, &weights, 1.0, Polarity::Sublevel)
+                .unwrap();
+        assert!(tree == listed);
     }
 }
 
@@ -178,7 +186,13 @@ fn the_number_of_threads_does_not_matter() {
     let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     for values in large_fields() {
         for stencil in [Stencil::Six, Stencil::TwentySix] {
-            let build = || ComponentTree::from_grid(dims, stencil, &values, 1.0, Polarity::Superlevel).unwrap();
+            let build =
+                || ComponentTree::from_grid(dims, stencil, &values, 1.0, Polarity::Superlevel).unwrap();
+            let one = pool(1).install(build);
+            assert!(one == pool(2).install(build) && one == pool(5).install(build));
+            let product = |u: u32, v: u32| values[u as usize] + values[v as usize];
+            let build =
+                || ComponentTree::from_grid_edges(dims, stencil, product, 1.0, Polarity::Superlevel).unwrap();
             let one = pool(1).install(build);
             assert!(one == pool(2).install(build) && one == pool(5).install(build));
         }
@@ -187,9 +201,8 @@ fn the_number_of_threads_does_not_matter() {
 
 #[test]
 fn too_many_voxels_are_refused_before_anything_is_allocated() {
-    let error = |dims| {
-        ComponentTree::from_grid::<u8>(dims, Stencil::Six, &[], 1.0, Polarity::Sublevel).unwrap_err()
-    };
+    let error =
+        |dims| ComponentTree::from_grid::<u8>(dims, Stencil::Six, &[], 1.0, Polarity::Sublevel).unwrap_err();
     assert!(matches!(error([2048, 1024, 1024]), TreeError::TooMany { count: 0x8000_0000, .. }));
     assert!(matches!(error([usize::MAX; 3]), TreeError::TooMany { .. }));
     assert!(matches!(error([4, 4, 4]), TreeError::SizeMismatch { found: 0, expected: 64, .. }));
@@ -198,14 +211,19 @@ fn too_many_voxels_are_refused_before_anything_is_allocated() {
 #[test]
 fn an_empty_mask_gives_the_empty_tree() {
     let mask = BitGrid::empty([4, 4, 4]).unwrap();
-    let tree = ComponentTree::from_mask::<f64>(&mask, Connectivity::Six, &[], 1.0, Polarity::Sublevel).unwrap();
+    let tree =
+        ComponentTree::from_mask::<f64>(&mask, Connectivity::Six, &[], 1.0, Polarity::Sublevel).unwrap();
     assert!(tree.is_empty());
-    let none = ComponentTree::from_grid::<u16>([0, 5, 5], Stencil::Six, &[], 1.0, Polarity::Sublevel).unwrap();
+    let none =
+        ComponentTree::from_grid::<u16>([0, 5, 5], Stencil::Six, &[], 1.0, Polarity::Sublevel).unwrap();
     assert!(none.is_empty());
 }
 
 #[test]
 fn a_nan_anywhere_is_found() {
+    let weight = |u: u32, v: u32| if (u, v) == (3, 7) { f64::NAN } else { 1.0 };
+    let error = ComponentTree::from_grid_edges([4, 4, 1], Stencil::Four, weight, 1.0, Polarity::Sublevel);
+    assert_eq!(error.unwrap_err().to_string().find("the weight of an edge of vertex 3 is NaN"), Some(0));
     let mut values = vec![0.0f32; 70 * 1000];
     values[69_123] = f32::NAN;
     let error = ComponentTree::from_grid([70, 1000, 1], Stencil::Eight, &values, 1.0, Polarity::Superlevel);

@@ -59,10 +59,10 @@ pub(crate) struct DenseGrid {
 
 impl DenseGrid {
     /// # Errors
-    /// [`TreeError::TooMany`] beyond [`super::super::vertex_tree::MAX_VERTICES`].
+    /// [`TreeError::TooMany`] beyond 2^31 - 1 voxels.
     pub fn new(dims: [usize; 3], stencil: Stencil) -> Result<Self, TreeError> {
         let count = dims.iter().fold(1u128, |a, &d| a.saturating_mul(d as u128));
-        crate::vertex_tree::check_limit("voxels in the grid", count)?;
+        crate::build::check_limit("voxels in the grid", count)?;
         Ok(Self { dims, stencil })
     }
 

@@ -60,7 +60,7 @@ pub(crate) fn lower<V: GreyValue, const DOWN: bool>(a: V, b: V) -> bool {
 }
 
 /// `0..n` in about `parts` ranges that start at multiples of `unit`.
-fn split_evenly(n: usize, unit: usize, parts: usize) -> Vec<Range<usize>> {
+pub(crate) fn split_evenly(n: usize, unit: usize, parts: usize) -> Vec<Range<usize>> {
     let unit = unit.max(1);
     let step = n.div_ceil(unit).div_ceil(parts.max(1)).max(1) * unit;
     (0..n).step_by(step).map(|start| start..(start + step).min(n)).collect()

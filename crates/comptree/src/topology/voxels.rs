@@ -19,7 +19,7 @@ impl<'a> LinkedVoxels<'a> {
     /// # Errors
     /// [`TreeError::DiagonalsUnknown`] when 26 neighbours are asked of a grid without diagonal links.
     pub fn new(grid: &'a VoxelGrid, connectivity: Connectivity) -> Result<Self, TreeError> {
-        crate::vertex_tree::check_limit("voxels", grid.len() as u128)?;
+        crate::build::check_limit("voxels", grid.len() as u128)?;
         let cut = match connectivity {
             Connectivity::Six => None,
             Connectivity::TwentySix => {
@@ -49,7 +49,7 @@ impl<'a> LinkedVoxels<'a> {
 /// The bits that have a set bit of `links` before them, along x.
 #[inline]
 fn linked_back(links: &BitGrid, word: usize) -> u64 {
-    let carried = if word % links.row_words() == 0 { 0 } else { links.words()[word - 1] >> 63 };
+    let carried = if word.is_multiple_of(links.row_words()) { 0 } else { links.words()[word - 1] >> 63 };
     links.words()[word] << 1 | carried
 }
 
@@ -79,8 +79,7 @@ impl Topology for LinkedVoxels<'_> {
         // Of words that start with the same number all but the last are empty.
         let first = self.rank.partition_point(|&r| (r as usize) <= range.start).saturating_sub(1);
         for word in first..self.rank.len() {
-            let mut v = self.rank[word];
-            if v as usize >= range.end {
+            if self.rank[word] as usize >= range.end {
                 break;
             }
             let (forward_x, back_x) = (x.words()[word], linked_back(x, word));
@@ -88,7 +87,7 @@ impl Topology for LinkedVoxels<'_> {
                 |links: &BitGrid, stride: usize| if word < stride { 0 } else { links.words()[word - stride] };
             let (back_y, back_z) = (back(y, row), back(z, slab));
             let (forward_y, forward_z) = (y.words()[word], z.words()[word]);
-            for bit in Bits(inside.words()[word]) {
+            for (v, bit) in (self.rank[word]..).zip(Bits(inside.words()[word])) {
                 let has = |links: u64| links >> bit & 1 == 1;
                 neighbours.clear();
                 if has(back_z) {
@@ -126,7 +125,6 @@ impl Topology for LinkedVoxels<'_> {
                     }
                 }
                 f(v, &neighbours);
-                v += 1;
             }
         }
     }

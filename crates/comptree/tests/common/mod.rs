@@ -110,3 +110,42 @@ pub fn check_structure(tree: &ComponentTree) {
         }
     }
 }
+
+/// A component told by its number of vertices, the sum of their squares, and the bits of its altitude.
+pub type Fact = (usize, u128, u64);
+
+/// Kruskal's algorithm without any cleverness: the facts of all components of more than one vertex.
+pub fn facts_by_kruskal(n: usize, edges: &[[u32; 2]], weights: &[f64]) -> Vec<Fact> {
+    let mut order: Vec<usize> = (0..edges.len()).collect();
+    order.sort_by(|&a, &b| weights[a].total_cmp(&weights[b]));
+    let mut sets = mser3d_shape::DisjointSets::new(n);
+    let mut size = vec![1; n];
+    let mut squares: Vec<u128> = (0..n as u128).map(|v| v * v).collect();
+    let mut facts = Vec::new();
+    for level in order.chunk_by(|&a, &b| weights[a] == weights[b]) {
+        let mut changed = BTreeSet::new();
+        for &edge in level {
+            if let Some((stays, goes)) = sets.union(edges[edge][0], edges[edge][1]) {
+                size[stays as usize] += size[goes as usize];
+                squares[stays as usize] += squares[goes as usize];
+                changed.insert(stays);
+            }
+        }
+        for set in changed {
+            if sets.find(set) == set {
+                facts.push((size[set as usize], squares[set as usize], (weights[level[0]] + 0.0).to_bits()));
+            }
+        }
+    }
+    facts.sort_unstable();
+    facts
+}
+
+/// The same of a tree.
+pub fn facts_of(tree: &ComponentTree) -> Vec<Fact> {
+    let squares = tree.accumulate(|v| u128::from(v).pow(2), |a, b| *a += b);
+    let fact = |i: u32| (tree.vertices(i).len(), squares[i as usize], tree.altitude(i).to_bits());
+    let mut facts: Vec<Fact> = (0..tree.len() as u32).map(fact).filter(|f| f.0 > 1).collect();
+    facts.sort_unstable();
+    facts
+}

@@ -1,11 +1,9 @@
 use mser3d_shape::DisjointSets;
 use rayon::prelude::*;
 
-use super::Field;
 use super::basins::Basins;
-use crate::GreyValue;
+use super::relief::Relief;
 use crate::order::NONE;
-use crate::topology::Topology;
 
 /// The tree of basins: each arc spans the levels from its birth to that of its parent. Children have
 /// smaller numbers than their parents, and births rise strictly.
@@ -42,17 +40,12 @@ struct Saddle {
 }
 
 /// Kruskal's algorithm on the graph of basins.
-pub(super) fn merge_basins<T: Topology, V: GreyValue>(
-    topology: &T,
-    field: &Field<'_, V>,
-    basins: &Basins,
-    parts: usize,
-) -> Arcs {
-    let mut saddles = saddles(topology, field, basins, parts);
+pub(super) fn merge_basins<R: Relief>(relief: &R, basins: &Basins, parts: usize) -> Arcs {
+    let mut saddles = saddles(relief, basins, parts);
     saddles.par_sort_unstable_by(|a, b| a.level.total_cmp(&b.level));
     let count = basins.minima.len();
     let mut parents = vec![NONE; count];
-    let mut births: Vec<f64> = basins.minima.iter().map(|&v| field.level(v)).collect();
+    let mut births: Vec<f64> = basins.minima.iter().map(|&v| relief.level(v)).collect();
     let mut sets = DisjointSets::new(count);
     let mut top: Vec<u32> = (0..count as u32).collect();
     for Saddle { level, basins: [a, b] } in saddles {
@@ -109,31 +102,25 @@ fn jumps(parents: &[u32]) -> Vec<u32> {
 ///
 /// Where they are few, all of them. Where they are many, as in noise, Borůvka's rounds come first:
 /// each joins every basin by its lowest edge, without storing the others.
-fn saddles<T: Topology, V: GreyValue>(
-    topology: &T,
-    field: &Field<'_, V>,
-    basins: &Basins,
-    parts: usize,
-) -> Vec<Saddle> {
+fn saddles<R: Relief>(relief: &R, basins: &Basins, parts: usize) -> Vec<Saddle> {
     let Basins { labels, minima } = basins;
-    let ranges = topology.split(parts);
-    let most = topology.len() / 8 / ranges.len().max(1) + 1024;
+    let ranges = relief.split_edges(parts);
+    let most = relief.len() / 8 / ranges.len().max(1) + 1024;
     let mut sets = DisjointSets::new(minima.len());
     let mut group: Vec<u32> = (0..minima.len() as u32).collect();
     let mut forest = Vec::new();
     loop {
-        let level = |v: u32, w: u32| field.level(v).max(field.level(w));
         let of = |v: u32| group[labels[v as usize] as usize];
         let few = |range: &std::ops::Range<usize>| {
             let mut found = Vec::new();
             let mut count = 0;
-            topology.boundary(range.clone(), labels, |v, w| {
+            relief.boundary(range.clone(), labels, |v, w, level| {
                 if of(v) != of(w) {
                     count += 1;
                     if found.len() < most {
                         // Of the basins themselves: a group may only be joined further up.
                         let basins = [v, w].map(|v| labels[v as usize]);
-                        found.push(Saddle { level: level(v, w), basins });
+                        found.push(Saddle { level, basins });
                     }
                 }
             });
@@ -146,10 +133,10 @@ fn saddles<T: Topology, V: GreyValue>(
         }
         let lowest = |range: &std::ops::Range<usize>| {
             let mut best = vec![Lowest::NONE; minima.len()];
-            topology.boundary(range.clone(), labels, |v, w| {
+            relief.boundary(range.clone(), labels, |v, w, level| {
                 let (a, b) = (of(v), of(w));
                 if a != b {
-                    let edge = Lowest { level: level(v, w), ends: [v, w] };
+                    let edge = Lowest { level, ends: [v, w] };
                     best[a as usize].take(edge);
                     best[b as usize].take(edge);
                 }

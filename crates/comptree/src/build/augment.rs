@@ -3,9 +3,9 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
-use super::Field;
 use super::arcs::Arcs;
-use crate::GreyValue;
+use super::relief::Relief;
+use crate::Polarity;
 use crate::order::NONE;
 use crate::tree::Nodes;
 
@@ -13,8 +13,9 @@ use crate::tree::Nodes;
 const BIN: usize = 256;
 
 /// Sorts the vertices along their arcs and makes nodes of them. `labels` are the vertices' basins.
-pub(super) fn place<V: GreyValue>(
-    field: &Field<'_, V>,
+pub(super) fn place<R: Relief>(
+    relief: &R,
+    polarity: Polarity,
     mut labels: Vec<u32>,
     arcs: &Arcs,
     parts: usize,
@@ -24,12 +25,16 @@ pub(super) fn place<V: GreyValue>(
     let members: Vec<Members> = labels
         .par_chunks_mut(step)
         .enumerate()
-        .map(|(part, labels)| climb(field, labels, part * step, arcs))
+        .map(|(part, labels)| climb(relief, labels, part * step, arcs))
         .collect();
-    let order = Order::new(arcs, members, field.top);
-    let pairs = order.scatter(field, labels, step);
-    let (vertices, altitudes, ties) = order.sort(field, pairs);
-    order.nodes(vertices, altitudes, ties, arcs)
+    let order = Order::new(arcs, members, relief.top());
+    let pairs = order.scatter(relief, labels, step);
+    let (vertices, levels, ties) = order.sort(relief, pairs);
+    let mut nodes = order.nodes(vertices, levels, ties, arcs);
+    if polarity == Polarity::Superlevel {
+        nodes.altitudes.par_iter_mut().for_each(|altitude| *altitude = polarity.orient(*altitude));
+    }
+    nodes
 }
 
 /// What one range of vertices has on each arc.
@@ -39,13 +44,13 @@ struct Members {
 }
 
 /// Turns the basins of a range of vertices into arcs.
-fn climb<V: GreyValue>(field: &Field<'_, V>, labels: &mut [u32], start: usize, arcs: &Arcs) -> Members {
+fn climb<R: Relief>(relief: &R, labels: &mut [u32], start: usize, arcs: &Arcs) -> Members {
     let mut members = Members { count: vec![0; arcs.parents.len()], first: vec![NONE; arcs.parents.len()] };
     // Next to each other most vertices lie on one arc.
     let (mut basin, mut arc, mut span) = (NONE, NONE, f64::INFINITY..f64::INFINITY);
     for (i, label) in labels.iter_mut().enumerate() {
         let v = (start + i) as u32;
-        let level = field.level(v);
+        let level = relief.level(v);
         if *label != basin || !span.contains(&level) {
             basin = *label;
             arc = arcs.climb(arcs.of_basin[basin as usize], level);
@@ -132,8 +137,8 @@ impl Order {
     }
 
     /// All vertices by bin, ascending in each, with their place in the bin in the upper half.
-    fn scatter<V: GreyValue>(&self, field: &Field<'_, V>, labels: Vec<u32>, step: usize) -> Binned {
-        let of = |v: u32, arc: u32| self.bins[arc as usize].of(field.level(v));
+    fn scatter<R: Relief>(&self, relief: &R, labels: Vec<u32>, step: usize) -> Binned {
+        let of = |v: u32, arc: u32| self.bins[arc as usize].of(relief.level(v));
         let vertices = |part: usize| (part * step) as u32..;
         let mut cursors: Vec<Vec<u32>> = labels
             .par_chunks(step)
@@ -165,15 +170,15 @@ impl Order {
         Binned { pairs, ends }
     }
 
-    /// Sorts each bin; gives the vertices, their altitudes, and whether any two on an arc are equal.
-    fn sort<V: GreyValue>(&self, field: &Field<'_, V>, binned: Binned) -> (Vec<u32>, Vec<f64>, bool) {
+    /// Sorts each bin; gives the vertices, their levels, and whether any two on an arc are equal.
+    fn sort<R: Relief>(&self, relief: &R, binned: Binned) -> (Vec<u32>, Vec<f64>, bool) {
         let Binned { mut pairs, ends } = binned;
         let n = pairs.len();
-        let (mut vertices, mut altitudes) = (vec![0u32; n], vec![0f64; n]);
+        let (mut vertices, mut levels) = (vec![0u32; n], vec![0f64; n]);
         // Groups of whole bins, a few for each thread.
         let wanted = if n < 1 << 16 { 1 } else { 8 * rayon::current_num_threads() };
         let mut groups: Vec<Group<'_>> = Vec::new();
-        let (mut rest, mut from) = ((&mut pairs[..], &mut vertices[..], &mut altitudes[..]), 0);
+        let (mut rest, mut from) = ((&mut pairs[..], &mut vertices[..], &mut levels[..]), 0);
         let mut bin = 0;
         while bin < ends.len() {
             let goal = from as usize + n.div_ceil(wanted);
@@ -181,43 +186,52 @@ impl Order {
             let len = (ends[last] - from) as usize;
             let (pairs, a) = rest.0.split_at_mut(len);
             let (vertices, b) = rest.1.split_at_mut(len);
-            let (altitudes, c) = rest.2.split_at_mut(len);
+            let (levels, c) = rest.2.split_at_mut(len);
             rest = (a, b, c);
-            groups.push(Group { pairs, vertices, altitudes, ends: &ends[bin..=last], from });
+            groups.push(Group { pairs, vertices, levels, ends: &ends[bin..=last], from });
             (bin, from) = (last + 1, ends[last]);
         }
-        let ties = groups.into_par_iter().map(|group| group.sort(field)).reduce(|| false, |a, b| a || b);
-        (vertices, altitudes, ties)
+        let ties = groups.into_par_iter().map(|group| group.sort(relief)).reduce(|| false, |a, b| a || b);
+        (vertices, levels, ties)
     }
 
-    fn nodes(&self, vertices: Vec<u32>, mut altitudes: Vec<f64>, ties: bool, arcs: &Arcs) -> Nodes {
-        let n = vertices.len();
+    /// Makes a node of each level at which something enters or merges.
+    fn nodes(&self, vertices: Vec<u32>, mut levels: Vec<f64>, ties: bool, arcs: &Arcs) -> Nodes {
+        let birth = |arc: u32| arcs.births[arc as usize];
+        let starts = |at: usize| self.starts[at] as usize..self.starts[at + 1] as usize;
+        // With weights on edges components can merge where no vertex enters.
+        let entered = |at: usize| levels[starts(at)].first() == Some(&birth(self.arcs[at]));
+        let one_each = !ties && (0..self.arcs.len()).all(entered);
         let mut ends: Vec<u32>;
         // The first node of each arc, in postorder, and the number of nodes.
         let mut first_nodes = self.starts.clone();
-        if ties {
+        if one_each {
+            ends = (1..=vertices.len() as u32).collect();
+        } else {
             ends = Vec::new();
             let mut nodes = 0;
-            for (arc, range) in self.starts.windows(2).enumerate() {
-                first_nodes[arc] = nodes as u32;
-                for at in range[0] as usize..range[1] as usize {
-                    if at == range[0] as usize || altitudes[at] != altitudes[nodes - 1] {
-                        altitudes[nodes] = altitudes[at];
-                        ends.push(at as u32 + 1);
+            for (at, &arc) in self.arcs.iter().enumerate() {
+                first_nodes[at] = nodes as u32;
+                // In place: a minimum's level is its first vertex's own, and every merge has more
+                // minima below it, with vertices of equal level, than merges.
+                levels[nodes] = birth(arc);
+                ends.push(self.starts[at]);
+                nodes += 1;
+                for entry in starts(at) {
+                    if levels[entry] != levels[nodes - 1] {
+                        levels[nodes] = levels[entry];
+                        ends.push(0);
                         nodes += 1;
-                    } else {
-                        ends[nodes - 1] = at as u32 + 1;
                     }
+                    ends[nodes - 1] = entry as u32 + 1;
                 }
             }
             first_nodes[self.arcs.len()] = nodes as u32;
-            altitudes.truncate(nodes);
-            altitudes.shrink_to_fit();
+            levels.truncate(nodes);
+            levels.shrink_to_fit();
             ends.shrink_to_fit();
-        } else {
-            ends = (1..=n as u32).collect();
         }
-        let mut parents: Vec<u32> = (1..=altitudes.len() as u32).collect();
+        let mut parents: Vec<u32> = (1..=levels.len() as u32).collect();
         let mut place = vec![0u32; self.arcs.len()];
         self.arcs.iter().enumerate().for_each(|(at, &arc)| place[arc as usize] = at as u32);
         for (at, &arc) in self.arcs.iter().enumerate() {
@@ -227,7 +241,7 @@ impl Order {
                 parent => first_nodes[place[parent as usize] as usize],
             };
         }
-        Nodes { parents, altitudes, ends, vertices }
+        Nodes { parents, altitudes: levels, ends, vertices }
     }
 }
 
@@ -240,57 +254,47 @@ struct Binned {
 struct Group<'a> {
     pairs: &'a mut [u64],
     vertices: &'a mut [u32],
-    altitudes: &'a mut [f64],
+    levels: &'a mut [f64],
     ends: &'a [u32],
     from: u32,
 }
 
 impl Group<'_> {
-    fn sort<V: GreyValue>(self, field: &Field<'_, V>) -> bool {
+    fn sort<R: Relief>(self, relief: &R) -> bool {
         let mut ties = false;
         let mut start = 0;
         for &end in self.ends {
             let end = (end - self.from) as usize;
             let range = std::mem::replace(&mut start, end)..end;
             if !range.is_empty() {
-                ties |= sort_bin(field, self.pairs, self.vertices, self.altitudes, range);
+                ties |= sort_bin(relief, self.pairs, self.vertices, self.levels, range);
             }
         }
         ties
     }
 }
 
-/// Sorts one bin by (level, vertex).
-fn sort_bin<V: GreyValue>(
-    field: &Field<'_, V>,
+/// Sorts one bin by (level, vertex); says whether two levels are equal.
+fn sort_bin<R: Relief>(
+    relief: &R,
     pairs: &mut [u64],
     vertices: &mut [u32],
-    altitudes: &mut [f64],
+    levels: &mut [f64],
     range: Range<usize>,
 ) -> bool {
-    let (pairs, vertices, altitudes) =
-        (&mut pairs[range.clone()], &mut vertices[range.clone()], &mut altitudes[range]);
+    let (pairs, vertices, levels) =
+        (&mut pairs[range.clone()], &mut vertices[range.clone()], &mut levels[range]);
     pairs.sort_unstable();
-    let mut ordered = true;
-    let mut ties = false;
-    let mut before = f64::NEG_INFINITY;
-    for ((pair, vertex), altitude) in pairs.iter().zip(&mut *vertices).zip(&mut *altitudes) {
+    for ((pair, vertex), level) in pairs.iter().zip(&mut *vertices).zip(&mut *levels) {
         *vertex = *pair as u32;
-        let level = field.level(*vertex);
-        ordered &= level >= before;
-        ties |= level == before;
-        before = level;
-        *altitude = field.polarity.orient(level);
+        *level = relief.level(*vertex);
     }
-    if !ordered {
-        // Levels too close for 32 bits of their bin: rare, so compare them in full.
-        vertices.sort_unstable_by(|&a, &b| field.level(a).total_cmp(&field.level(b)).then(a.cmp(&b)));
-        for (vertex, altitude) in vertices.iter().zip(&mut *altitudes) {
-            *altitude = field.polarity.orient(field.level(*vertex));
-        }
-        ties = altitudes.windows(2).any(|w| w[0] == w[1]);
+    if !levels.is_sorted() {
+        // Too close for 32 bits of their bin: rare, so compare them in full.
+        vertices.sort_unstable_by(|&a, &b| relief.level(a).total_cmp(&relief.level(b)).then(a.cmp(&b)));
+        levels.iter_mut().zip(&*vertices).for_each(|(level, &v)| *level = relief.level(v));
     }
-    ties
+    levels.windows(2).any(|pair| pair[0] == pair[1])
 }
 
 /// The arcs with children before parents and siblings by their smallest vertex.

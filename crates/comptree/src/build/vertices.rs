@@ -1,39 +1,10 @@
-//! Trees of vertex weights (min-trees and max-trees) without a graph of edges or a global sort.
-//!
-//! After ExTreeM (Lukasczyk et al., *ExTreeM: Scalable Augmented Merge Tree Computation via Extremum
-//! Graphs*, 2024), made exact for ties:
-//!
-//! 1. every vertex points to its lowest neighbour by (value, number), and following these pointers gives
-//!    each vertex the minimum it descends to: its *basin* ([`basins`]);
-//! 2. Kruskal's algorithm on the graph of basins, an edge between two basins for each edge between
-//!    vertices of both, gives the tree of basins: its *arcs* ([`arcs`]);
-//! 3. every vertex climbs from its basin's arc to the arc that spans its value, where vertices are
-//!    sorted by value ([`augment`]).
-//!
-//! Why this is exact: a vertex is joined to its minimum by a path that never rises above it. So two
-//! vertices are connected at a level above both if and only if their minima are, and for these only edges
-//! between basins matter. Of equal values the order of step 1 only decides which minimum, and arcs of no
-//! length are dropped.
-mod arcs;
-mod augment;
-mod basins;
-
+//! Trees of weights on vertices: min-trees and max-trees.
 use mser3d_shape::{BitGrid, Connectivity, Frame, Graph, VoxelGrid};
-use rayon::prelude::*;
 
-use crate::edge_tree::check_edges;
+use super::relief::VertexRelief;
+use super::{build, check_edges, check_limit};
 use crate::topology::{DenseGrid, LinkedVoxels, Topology};
 use crate::{ComponentTree, GreyValue, Polarity, Stencil, TreeError, Volumes};
-
-/// Vertices of a vertex-weighted tree: one bit of their numbers is needed.
-const MAX_VERTICES: u128 = (1 << 31) - 1;
-
-pub(crate) fn check_limit(what: &'static str, count: u128) -> Result<(), TreeError> {
-    if count > MAX_VERTICES {
-        return Err(TreeError::TooMany { what, count, limit: MAX_VERTICES });
-    }
-    Ok(())
-}
 
 impl ComponentTree {
     /// The tree of a graph with a weight on each vertex (min-tree; for superlevel sets max-tree): its
@@ -54,7 +25,7 @@ impl ComponentTree {
         check_limit("vertices", weights.len() as u128)?;
         check_edges(weights.len(), edges)?;
         let graph = Graph::from_edges(weights.len(), edges)?;
-        build(&graph, weights, volumes.into(), polarity)
+        vertex_tree(&graph, weights, volumes.into(), polarity)
     }
 
     /// As [`from_vertex_weights`](Self::from_vertex_weights), of a graph that is there already.
@@ -67,7 +38,7 @@ impl ComponentTree {
         volumes: impl Into<Volumes<'v>>,
         polarity: Polarity,
     ) -> Result<Self, TreeError> {
-        build(graph, weights, volumes.into(), polarity)
+        vertex_tree(graph, weights, volumes.into(), polarity)
     }
 
     /// The tree of an image (`dims = [width, height, 1]`) or a volume with a value for each of its
@@ -95,7 +66,7 @@ impl ComponentTree {
         volumes: impl Into<Volumes<'v>>,
         polarity: Polarity,
     ) -> Result<Self, TreeError> {
-        build(&DenseGrid::new(dims, stencil)?, values, volumes.into(), polarity)
+        vertex_tree(&DenseGrid::new(dims, stencil)?, values, volumes.into(), polarity)
     }
 
     /// The tree of a solid with a value for each occupied voxel, in the order of their numbers.
@@ -111,7 +82,7 @@ impl ComponentTree {
         volumes: impl Into<Volumes<'v>>,
         polarity: Polarity,
     ) -> Result<Self, TreeError> {
-        build(&LinkedVoxels::new(grid, connectivity)?, values, volumes.into(), polarity)
+        vertex_tree(&LinkedVoxels::new(grid, connectivity)?, values, volumes.into(), polarity)
     }
 
     /// The tree of the voxels of a mask with a value for each of them, x fastest; an empty mask gives
@@ -132,58 +103,11 @@ impl ComponentTree {
     }
 }
 
-fn build<T: Topology, V: GreyValue>(
+fn vertex_tree<T: Topology, V: GreyValue>(
     topology: &T,
     values: &[V],
     volumes: Volumes<'_>,
     polarity: Polarity,
 ) -> Result<ComponentTree, TreeError> {
-    let n = topology.len();
-    check_limit("vertices", n as u128)?;
-    if values.len() != n {
-        let (found, expected) = (values.len(), n);
-        return Err(TreeError::SizeMismatch { what: "weights of vertices", found, expected });
-    }
-    volumes.check(n)?;
-    let field = Field::new(values, polarity)?;
-    let parts = if n < 1 << 16 { 1 } else { rayon::current_num_threads() };
-    let basins = match polarity {
-        Polarity::Sublevel => basins::find::<T, V, false>(topology, values, parts),
-        Polarity::Superlevel => basins::find::<T, V, true>(topology, values, parts),
-    };
-    let arcs = arcs::merge_basins(topology, &field, &basins, parts);
-    let nodes = augment::place(&field, basins.labels, &arcs, parts);
-    Ok(ComponentTree::assemble(nodes, volumes, polarity))
-}
-
-/// Values as rising levels.
-struct Field<'a, V> {
-    values: &'a [V],
-    polarity: Polarity,
-    /// The highest level.
-    top: f64,
-}
-
-impl<'a, V: GreyValue> Field<'a, V> {
-    fn new(values: &'a [V], polarity: Polarity) -> Result<Self, TreeError> {
-        // Comparing with itself is what tells a NaN from any other value.
-        #[expect(clippy::eq_op)]
-        let nan = |v: V| v != v;
-        let summary = |part: &[V]| {
-            let higher = |a: V, b: V| if (a < b) == (polarity == Polarity::Sublevel) { b } else { a };
-            let top = part.iter().copied().reduce(higher);
-            (part.iter().any(|&v| nan(v)), top.map_or(f64::NEG_INFINITY, |v| polarity.orient(v.into())))
-        };
-        let join = |a: (bool, f64), b: (bool, f64)| (a.0 || b.0, a.1.max(b.1));
-        let (bad, top) = values.par_chunks(1 << 16).map(summary).reduce(|| (false, f64::NEG_INFINITY), join);
-        if bad && let Some(index) = values.iter().position(|&v| nan(v)) {
-            return Err(TreeError::NotANumber { what: "vertex", index });
-        }
-        Ok(Self { values, polarity, top })
-    }
-
-    #[inline(always)]
-    fn level(&self, v: u32) -> f64 {
-        self.polarity.orient(self.values[v as usize].into())
-    }
+    build(&VertexRelief::new(topology, values, polarity)?, volumes, polarity)
 }

@@ -3,8 +3,7 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
-use crate::GreyValue;
-use crate::topology::Topology;
+use super::relief::Relief;
 
 /// Marks a pointer that has become the number of a basin.
 const FOUND: u32 = 1 << 31;
@@ -21,16 +20,12 @@ pub(super) struct Basins {
 ///
 /// Threads share the pointers: whatever they read of each other, a pointer not yet followed or its
 /// end, leads to the same minimum.
-pub(super) fn find<T: Topology, V: GreyValue, const DOWN: bool>(
-    topology: &T,
-    values: &[V],
-    parts: usize,
-) -> Basins {
-    let ranges = topology.split(parts);
-    let pointers: Vec<AtomicU32> = (0..topology.len()).map(|_| AtomicU32::new(0)).collect();
+pub(super) fn find<R: Relief>(relief: &R, parts: usize) -> Basins {
+    let ranges = relief.split(parts);
+    let pointers: Vec<AtomicU32> = (0..relief.len()).map(|_| AtomicU32::new(0)).collect();
     let point = |range: &Range<usize>| {
         let mut minima = Vec::new();
-        topology.descend::<V, DOWN>(range.clone(), values, |v, target| {
+        relief.descend(range.clone(), |v, target| {
             let known = target < v && target as usize >= range.start;
             // Pointers back were set before and go further down at once.
             let to = if known { pointers[target as usize].load(Relaxed) } else { target };

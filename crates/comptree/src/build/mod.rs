@@ -1,0 +1,75 @@
+//! How trees are built: without a global sort, and on grids without a graph.
+//!
+//! After ExTreeM (Lukasczyk et al., *ExTreeM: Scalable Augmented Merge Tree Computation via Extremum
+//! Graphs*, 2024), made exact for ties, and carried over to weights on edges:
+//!
+//! 1. every vertex points to its lowest neighbour by (value, number) or, with weights on edges, along its
+//!    lowest edge; following these pointers gives each vertex the minimum it descends to: its *basin*
+//!    ([`basins`]);
+//! 2. Kruskal's algorithm on the graph of basins, an edge between two basins for each edge between
+//!    vertices of both, gives the tree of basins: its *arcs* ([`arcs`]);
+//! 3. every vertex climbs from its basin's arc to the arc that spans the level at which it enters, and
+//!    there vertices are sorted by level ([`augment`]).
+//!
+//! Why this is exact: a vertex is joined to its minimum by a path that never rises above the level at
+//! which it enters. So two vertices are connected at a level above both if and only if their minima are,
+//! and for these only edges between basins matter. Of equal values the order of step 1 only decides which
+//! minimum, and arcs of no length are dropped.
+mod arcs;
+mod augment;
+mod basins;
+mod edge_relief;
+mod edges;
+mod relief;
+mod vertices;
+
+use relief::Relief;
+
+use crate::{ComponentTree, Polarity, TreeError, Volumes};
+
+/// Vertices of a tree: one bit of their numbers is needed.
+const MAX_VERTICES: u128 = (1 << 31) - 1;
+
+/// # Errors
+/// [`TreeError::TooMany`].
+pub(crate) fn check_limit(what: &'static str, count: u128) -> Result<(), TreeError> {
+    if count > MAX_VERTICES {
+        return Err(TreeError::TooMany { what, count, limit: MAX_VERTICES });
+    }
+    Ok(())
+}
+
+fn build<R: Relief>(
+    relief: &R,
+    volumes: Volumes<'_>,
+    polarity: Polarity,
+) -> Result<ComponentTree, TreeError> {
+    check_limit("vertices", relief.len() as u128)?;
+    volumes.check(relief.len())?;
+    let parts = parts(relief.len());
+    let basins = basins::find(relief, parts);
+    let arcs = arcs::merge_basins(relief, &basins, parts);
+    let nodes = augment::place(relief, polarity, basins.labels, &arcs, parts);
+    Ok(ComponentTree::assemble(nodes, volumes, polarity))
+}
+
+/// Into how many parts work is divided; small trees are not worth a second thread.
+fn parts(n: usize) -> usize {
+    if n < 1 << 16 { 1 } else { rayon::current_num_threads() }
+}
+
+/// # Errors
+/// Too many vertices or edges, and edges that name a vertex that is not there.
+fn check_edges(n: usize, edges: &[[u32; 2]]) -> Result<(), TreeError> {
+    check_limit("vertices", n as u128)?;
+    if edges.len() >= u32::MAX as usize {
+        let (count, limit) = (edges.len() as u128, u128::from(u32::MAX) - 1);
+        return Err(TreeError::TooMany { what: "edges", count, limit });
+    }
+    for (edge, pair) in edges.iter().enumerate() {
+        if let Some(&index) = pair.iter().find(|&&v| v as usize >= n) {
+            return Err(TreeError::IndexOutOfRange { edge, index, vertices: n });
+        }
+    }
+    Ok(())
+}
