@@ -85,6 +85,28 @@ fn a_skin_blends_its_joints_and_ignores_the_node_of_the_mesh() {
 }
 
 #[test]
+fn a_mirrored_skeleton_does_not_turn_the_figure_inside_out() {
+    let (g, members) = bar();
+    let mirrored = members.replace(r#""translation":[0,0,5]}"#, r#""translation":[0,0,5],"scale":[-1,1,1]}"#);
+    assert_ne!(mirrored, members);
+    let volumes = [&members, &mirrored].map(|m| read(&g.gltf(m), None, 0.0).mesh.signed_volume());
+    assert!(volumes[0].abs() > 0.01 && (volumes[0] - volumes[1]).abs() < 1e-12, "{volumes:?}");
+}
+
+#[test]
+fn a_hidden_node_keeps_its_vertices_apart() {
+    let mut g = Gltf::default();
+    let (position, sides) = (g.points(&CORNERS), g.indices(&SIDES));
+    let bytes = g.gltf(&format!(
+        r#""nodes":[{{"mesh":0}},{{"mesh":0,"scale":[0,0,0]}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":{position}}},"indices":{sides}}}]}}]"#
+    ));
+    let read = read(&bytes, None, 0.0);
+    assert_eq!((read.mesh.vertices().len(), read.mesh.triangles().len()), (8, 8));
+    assert_eq!(read.mesh.vertices()[4..], [[0.0; 3]; 4]);
+}
+
+#[test]
 fn morph_targets_move_vertices_before_the_skin() {
     let (g, members) = bar();
     let moved = read(&g.gltf(&members), Some("weights"), 0.5);

@@ -6,6 +6,7 @@ mod animation;
 mod buffers;
 mod pose;
 mod primitive;
+mod scene;
 mod skin;
 mod transform;
 
@@ -15,9 +16,8 @@ use crate::weld::{Weld, collapse};
 use crate::{MeshFormat, MeshIoError};
 use accessor::{Asset, get};
 pub use animation::AnimationInfo;
-use pose::{Hierarchy, Pose};
+use scene::Scene;
 use std::path::Path;
-use transform::Affine;
 
 /// Extensions that hide the geometry from a reader that doesn't know them.
 const UNREADABLE: [&str; 4] = [
@@ -86,71 +86,30 @@ fn choose(asset: &Asset, wanted: &str, path: &Path) -> Result<usize, MeshIoError
 }
 
 /// All triangles of the scene in world space, vertices at equal rest positions welded.
-///
-/// What is welded must not depend on the pose, or frames of an animation would differ in their
-/// vertices. So unskinned vertices are compared where the rest pose puts them, skinned ones before
-/// the skin moves them.
 fn assemble(asset: &Asset, animation: Option<usize>, time: f64) -> Result<Parsed, Fault> {
-    let root = &asset.root;
-    let hierarchy = Hierarchy::new(root)?;
-    let mut pose = Pose::rest(root);
-    let rest = pose.clone();
-    let rest_globals = rest.globals(&hierarchy);
-    if let Some(animation) = animation {
-        animation::apply(asset, animation, time, &mut pose)?;
-    }
-    let globals = pose.globals(&hierarchy);
-    let skins = skin::all(asset, &globals)?;
-
+    let scene = Scene::new(asset, animation, time)?;
     let mut parsed = Parsed::default();
     let mut weld = Weld::default();
     let mut corners: Vec<[u32; 3]> = Vec::new();
     let mut others = 0;
-    for &node in &hierarchy.scene {
-        let Some(mesh) = root.nodes[node].mesh else { continue };
-        let mesh = get(&root.meshes, mesh.value(), "mesh")?;
-        let skin = root.nodes[node].skin.map(|s| get(&skins, s.value(), "skin")).transpose()?;
-        let weights = |pose: &Pose| {
-            let of_mesh = || mesh.weights.iter().flatten().map(|&w| w.into()).collect();
-            pose.locals[node].morph_weights.clone().unwrap_or_else(of_mesh)
-        };
-        let (morph, rest_morph): (Vec<f64>, Vec<f64>) = (weights(&pose), weights(&rest));
+    for &node in &scene.shown {
+        let Some(mesh) = asset.root.nodes[node].mesh else { continue };
+        let mesh = get(&asset.root.meshes, mesh.value(), "mesh")?;
         for primitive in &mesh.primitives {
-            let still = primitive::positions(asset, primitive, &rest_morph)?;
-            let Some(triangles) = primitive::triangles(asset, primitive, still.len())? else {
+            let Some(part) = scene.part(node, mesh, primitive)? else {
                 others += 1;
                 continue;
             };
-            let moved = if morph == rest_morph {
-                still.clone()
-            } else {
-                primitive::positions(asset, primitive, &morph)?
-            };
-            let (keys, placed, group, mirrored) = match skin {
-                Some(skin) => {
-                    let influences = skin::influences(asset, primitive, still.len(), skin.joints.len())?;
-                    let placed =
-                        moved.iter().zip(&influences).map(|(&p, i)| skin.blend(i).apply(p)).collect();
-                    (still, placed, skin.group + 1, false)
-                }
-                None => {
-                    let place =
-                        |map: &Affine, points: &[[f64; 3]]| points.iter().map(|&p| map.apply(p)).collect();
-                    let keys = place(&rest_globals[node], &still);
-                    let placed: Vec<[f64; 3]> = place(&globals[node], &moved);
-                    (keys, placed, 0, globals[node].determinant() < 0.0)
-                }
-            };
-            let first = u32::try_from(weld.map.len() + keys.len())
-                .map_err(|_| Fault::new("too many vertices"))?
-                - keys.len() as u32;
-            for (&key, &position) in keys.iter().zip(&placed) {
-                if weld.push(group, key) {
+            let first = weld.map.len();
+            if first + part.keys.len() > u32::MAX as usize {
+                return Err(Fault::new("the scene shows more than 2^32 vertices"));
+            }
+            for (&key, &position) in part.keys.iter().zip(&part.positions) {
+                if weld.push(part.group, key) {
                     parsed.vertices.push(position);
                 }
             }
-            let turned = |[a, b, c]: [u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
-            corners.extend(triangles.into_iter().map(|t| turned(t.map(|v| v + first))));
+            corners.extend(part.triangles.into_iter().map(|t| t.map(|v| v + first as u32)));
         }
     }
     let (triangles, dropped) = collapse(corners.into_iter(), &weld.map);

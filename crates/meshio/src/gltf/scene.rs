@@ -1,0 +1,110 @@
+//! What a scene shows at a time.
+
+use super::accessor::{Asset, get};
+use super::pose::{Hierarchy, Pose};
+use super::skin::{self, Skin};
+use super::transform::Affine;
+use super::{animation, primitive};
+use crate::error::Fault;
+use gltf::json;
+use json::mesh::{Mesh, Primitive};
+
+/// Nodes and skins in their rest pose and in the pose asked for.
+///
+/// Triangles and what is welded come from the rest pose alone, or frames of an animation would
+/// differ in more than their positions.
+pub(super) struct Scene<'a> {
+    asset: &'a Asset<'a>,
+    /// The nodes that are shown, depth first.
+    pub shown: Vec<usize>,
+    rest: State,
+    posed: State,
+}
+
+struct State {
+    pose: Pose,
+    /// Each node to the world.
+    globals: Vec<Affine>,
+    skins: Vec<Skin>,
+}
+
+impl State {
+    fn new(asset: &Asset, hierarchy: &Hierarchy, pose: Pose) -> Result<Self, Fault> {
+        let globals = pose.globals(hierarchy);
+        let skins = skin::all(asset, &globals)?;
+        Ok(Self { pose, globals, skins })
+    }
+}
+
+/// A primitive at a node.
+pub(super) struct Part {
+    /// In the world.
+    pub positions: Vec<[f64; 3]>,
+    pub triangles: Vec<[u32; 3]>,
+    /// Vertices of equal group and key are one.
+    pub group: usize,
+    pub keys: Vec<[f64; 3]>,
+}
+
+impl<'a> Scene<'a> {
+    pub(super) fn new(asset: &'a Asset, animation: Option<usize>, time: f64) -> Result<Self, Fault> {
+        let hierarchy = Hierarchy::new(&asset.root)?;
+        let rest = Pose::rest(&asset.root);
+        let mut pose = rest.clone();
+        if let Some(animation) = animation {
+            animation::apply(asset, animation, time, &mut pose)?;
+        }
+        let rest = State::new(asset, &hierarchy, rest)?;
+        let posed = State::new(asset, &hierarchy, pose)?;
+        Ok(Self { asset, shown: hierarchy.scene, rest, posed })
+    }
+
+    /// The primitive of a mesh as a node shows it; `None` for points and lines.
+    pub(super) fn part(
+        &self,
+        node: usize,
+        mesh: &Mesh,
+        primitive: &Primitive,
+    ) -> Result<Option<Part>, Fault> {
+        let Self { asset, rest, posed, .. } = self;
+        let weights = |pose: &Pose| -> Vec<f64> {
+            let of_mesh = || mesh.weights.iter().flatten().map(|&w| w.into()).collect();
+            pose.locals[node].morph_weights.clone().unwrap_or_else(of_mesh)
+        };
+        let (rest_weights, weights) = (weights(&rest.pose), weights(&posed.pose));
+        let still = primitive::positions(asset, primitive, &rest_weights)?;
+        let Some(mut triangles) = primitive::triangles(asset, primitive, still.len())? else {
+            return Ok(None);
+        };
+        let moved = match weights == rest_weights {
+            true => still.clone(),
+            false => primitive::positions(asset, primitive, &weights)?,
+        };
+        let place = |map: &Affine, points: &[[f64; 3]]| points.iter().map(|&p| map.apply(p)).collect();
+
+        let (positions, group, keys, orientation) = match asset.root.nodes[node].skin {
+            // A skin ignores the node. Its vertices are compared before it moves them.
+            Some(number) => {
+                let skin = get(&posed.skins, number.value(), "skin")?;
+                let influences = skin::influences(asset, primitive, still.len(), skin.joints.len())?;
+                let positions = moved.iter().zip(&influences).map(|(&p, i)| skin.blend(i).apply(p)).collect();
+                let orientation = rest.skins[number.value()].joints[0].determinant();
+                (positions, 1 + skin.group, still, orientation)
+            }
+            None => {
+                let (map, orientation) = (&rest.globals[node], rest.globals[node].determinant());
+                // A node that is hidden by a scale of zero has its vertices all in one place.
+                let (group, keys) = match orientation == 0.0 {
+                    true => (usize::MAX - node, still),
+                    false => (0, place(map, &still)),
+                };
+                (place(&posed.globals[node], &moved), group, keys, orientation)
+            }
+        };
+        // A mirrored surface would be inside out.
+        if orientation < 0.0 {
+            triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        }
+        Ok(Some(Part { positions, triangles, group, keys }))
+    }
+}
