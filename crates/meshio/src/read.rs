@@ -1,4 +1,5 @@
 use crate::error::Fault;
+use crate::write::check_length;
 use crate::{MeshFormat, MeshIoError, gltf, obj, off, ply, stl};
 use mser3d_shape::TriangleMesh;
 use std::path::Path;
@@ -51,14 +52,14 @@ pub struct LoadedMesh {
 impl LoadedMesh {
     /// Values per mesh vertex as values per vertex of the file.
     ///
-    /// # Panics
-    /// When there is not one value for each mesh vertex.
-    pub fn per_file_vertex<T: Clone>(&self, values: &[T]) -> Vec<T> {
-        assert_eq!(values.len(), self.mesh.vertices().len(), "one value for each vertex of the mesh");
-        match &self.weld {
+    /// # Errors
+    /// [`MeshIoError::BadParameter`] when there is not one value for each mesh vertex.
+    pub fn per_file_vertex<T: Clone>(&self, values: &[T]) -> Result<Vec<T>, MeshIoError> {
+        check_length("vertex values", values.len(), self.mesh.vertices().len())?;
+        Ok(match &self.weld {
             Some(weld) => weld.iter().map(|&v| values[v as usize].clone()).collect(),
             None => values.to_vec(),
-        }
+        })
     }
 }
 
