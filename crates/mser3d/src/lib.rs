@@ -1,1 +1,61 @@
-//! placeholder
+//! Stable volumetric regions of 3D shapes, from a solid to its features in one call.
+//!
+//! The reference implementation of R. Litman, A. Bronstein, M. Bronstein, *Stable volumetric features
+//! in deformable shapes*, Computers & Graphics 36 (2012): a solid's heat diffusion, from the spectrum of
+//! its voxel Laplacian, weighs the voxel graph; a component tree over that weight is searched for
+//! maximally stable regions; each gets a scale-invariant heat descriptor. The regions stay the same
+//! when the body moves, so they match across poses, scans and noise.
+//!
+//! * [`detect`] does it all, for the volume or the surface of a mesh.
+//! * Its stages can be called one by one and their results reused: [`Body::volume`],
+//!   [`Body::surface`] or [`Body::solid`] make what heat flows on, [`Body::spectrum`] its eigenbasis,
+//!   [`find_regions`] the regions for any number of weights, [`describe`] their descriptors.
+//!
+//! ```
+//! use mser3d::{Domain, Parameters, detect};
+//! use mser3d::shape::TriangleMesh;
+//! use mser3d::voxelize::Pitch;
+//!
+//! // A thin box on a thick one, as one closed mesh would be read from a file.
+//! # let quad = |a: u32, b, c, d| [[a, b, c], [a, c, d]];
+//! # let corners = |x: f64, y: f64, z: [f64; 2]| -> Vec<[f64; 3]> { (0..8).map(|i| [
+//! #     if i & 1 == 0 { -x } else { x }, if i & 2 == 0 { -y } else { y }, z[i >> 2]]).collect() };
+//! # let faces = |o: u32| -> Vec<[u32; 3]> { [quad(0, 2, 3, 1), quad(4, 5, 7, 6), quad(0, 1, 5, 4),
+//! #     quad(2, 6, 7, 3), quad(0, 4, 6, 2), quad(1, 3, 7, 5)].concat().iter().map(|t| t.map(|v| v + o)).collect() };
+//! # let vertices = [corners(2., 2., [0., 4.]), corners(0.6, 0.6, [3.9, 9.])].concat();
+//! # let triangles = [faces(0), faces(8)].concat();
+//! let mesh = TriangleMesh::new(vertices, triangles)?;
+//! let mut parameters = Parameters::default();
+//! parameters.voxelize.pitch = Pitch::Voxels(4000);
+//! parameters.spectrum.eigenpairs = 40;
+//! let features = detect(&mesh, Domain::Volume, &parameters, &mser3d::no_progress)?;
+//! // The handle is a region: it is thin, so heat stays in it.
+//! assert!(features.regions.iter().any(|region| region.centroid[2] > 5.0));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+#![warn(missing_docs)]
+
+mod body;
+mod detect;
+mod error;
+mod estimate;
+mod parameters;
+mod progress;
+mod regions;
+mod weight;
+
+pub use body::{Body, Graph};
+pub use detect::{Features, StageTime, describe, detect, detect_on};
+pub use error::Error;
+pub use estimate::{Estimate, estimate};
+pub use mser3d_shape::Domain;
+pub use parameters::{Descriptor, Parameters, Weight};
+pub use progress::{Progress, ProgressFn, Stage, no_progress};
+pub use regions::{Found, Region, Tree, find_regions};
+
+pub use mser3d_comptree as comptree;
+pub use mser3d_descriptors as descriptors;
+pub use mser3d_laplace as laplace;
+pub use mser3d_shape as shape;
+pub use mser3d_spectral as spectral;
+pub use mser3d_voxelize as voxelize;

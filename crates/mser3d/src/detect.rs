@@ -1,0 +1,149 @@
+use std::time::Instant;
+
+use mser3d_descriptors::{Descriptors, hks, region_descriptors, si_hks};
+use mser3d_shape::{Domain, Eigenbasis, TriangleMesh};
+use mser3d_spectral::{Spectrum, SpectrumReport};
+use mser3d_voxelize::Voxelization;
+
+use crate::progress::{ProgressFn, Stage, report};
+use crate::{Body, Descriptor, Error, Found, Parameters, Region, Tree, find_regions};
+
+/// The stable regions of a shape, their descriptors, and how they were found.
+#[derive(Clone, Debug)]
+pub struct Features {
+    /// What heat flowed on.
+    pub body: Body,
+    /// How the mesh was voxelized; none for surfaces and for solids given as voxels.
+    pub voxelization: Option<Voxelization>,
+    /// The eigenpairs.
+    pub basis: Eigenbasis,
+    /// Their measured quality.
+    pub spectrum: SpectrumReport,
+    /// The regions, by descending volume.
+    pub regions: Vec<Region>,
+    /// A descriptor for each region, in the same order.
+    pub descriptors: Descriptors,
+    /// One component tree for each time scale, and what each filter cut.
+    pub trees: Vec<Tree>,
+    /// Regions dropped because another time scale had them too.
+    pub duplicates: usize,
+    /// The time each stage took.
+    pub times: Vec<StageTime>,
+}
+
+/// The wall time of a stage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StageTime {
+    /// The stage.
+    pub stage: Stage,
+    /// Its duration in seconds.
+    pub seconds: f64,
+}
+
+impl Features {
+    /// The innermost region of each vertex of the mesh, in file order: the smallest that has it.
+    pub fn region_of_vertex(&self) -> Vec<Option<u32>> {
+        innermost(self.body.element_of_vertex().len(), self.regions.iter().map(|r| &r.vertices[..]))
+    }
+
+    /// The innermost region of each voxel or surface vertex.
+    pub fn region_of_element(&self) -> Vec<Option<u32>> {
+        innermost(self.body.len(), self.regions.iter().map(|r| &r.elements[..]))
+    }
+}
+
+/// Regions come by descending volume, so the last that has an element is the smallest.
+fn innermost<'a>(n: usize, regions: impl Iterator<Item = &'a [u32]>) -> Vec<Option<u32>> {
+    let mut labels = vec![None; n];
+    for (number, members) in regions.enumerate() {
+        members.iter().for_each(|&m| labels[m as usize] = Some(number as u32));
+    }
+    labels
+}
+
+/// Finds and describes the stable regions of a mesh: of the solid inside it, or of its surface.
+///
+/// ```no_run
+/// # let mesh: mser3d::shape::TriangleMesh = unimplemented!();
+/// let features =
+///     mser3d::detect(&mesh, mser3d::Domain::Volume, &Default::default(), &mser3d::no_progress)?;
+/// for region in &features.regions {
+///     println!("{:.1} % of the volume around {:?}", 100.0 * region.volume_fraction, region.centroid);
+/// }
+/// # Ok::<(), mser3d::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error`]: that of the stage that failed, or [`Error::Cancelled`].
+pub fn detect(
+    mesh: &TriangleMesh,
+    domain: Domain,
+    parameters: &Parameters,
+    progress: ProgressFn,
+) -> Result<Features, Error> {
+    parameters.validate()?;
+    match domain {
+        Domain::Surface => detect_on(Body::surface(mesh), parameters, progress),
+        Domain::Volume => {
+            report(progress, Stage::Voxelize, 0, 1)?;
+            let start = Instant::now();
+            let (body, voxelization) = Body::volume(mesh, &parameters.voxelize)?;
+            let seconds = start.elapsed().as_secs_f64();
+            report(progress, Stage::Voxelize, 1, 1)?;
+            let mut features = detect_on(body, parameters, progress)?;
+            features.voxelization = Some(voxelization);
+            features.times.insert(0, StageTime { stage: Stage::Voxelize, seconds });
+            Ok(features)
+        }
+    }
+}
+
+/// As [`detect`], on a body that is there already: a voxel mask, or one that serves several weights.
+///
+/// # Errors
+/// As [`detect`].
+pub fn detect_on(body: Body, parameters: &Parameters, progress: ProgressFn) -> Result<Features, Error> {
+    parameters.validate()?;
+    let mut times = Vec::new();
+    let mut start = Instant::now();
+    let mut lap = |stage| {
+        times.push(StageTime { stage, seconds: start.elapsed().as_secs_f64() });
+        start = Instant::now();
+    };
+    let Spectrum { basis, report: spectrum } = body.spectrum(&parameters.spectrum, progress)?;
+    lap(Stage::Spectrum);
+    let Found { regions, trees, duplicates } = find_regions(&body, &basis, parameters, progress)?;
+    lap(Stage::Regions);
+    report(progress, Stage::Descriptors, 0, regions.len())?;
+    let descriptors = describe(&basis, &regions, parameters)?;
+    report(progress, Stage::Descriptors, regions.len(), regions.len())?;
+    lap(Stage::Descriptors);
+    let voxelization = None;
+    Ok(Features { body, voxelization, basis, spectrum, regions, descriptors, trees, duplicates, times })
+}
+
+/// The descriptors of regions: means over their elements (eq. 11).
+///
+/// # Errors
+/// [`Error::Descriptor`].
+pub fn describe(
+    basis: &Eigenbasis,
+    regions: &[Region],
+    parameters: &Parameters,
+) -> Result<Descriptors, Error> {
+    let members: Vec<&[u32]> = regions.iter().map(|r| &r.elements[..]).collect();
+    let rows = region_descriptors(&members, basis.mass(), |elements| match &parameters.descriptor {
+        Descriptor::SiHks(own) => {
+            let mut own = own.clone();
+            if let (None, Some(measure)) = (own.unit, parameters.reference_measure) {
+                own.unit = Some(match basis.domain() {
+                    Domain::Volume => (measure / own.reference_volume).powf(2.0 / 3.0),
+                    Domain::Surface => measure / own.reference_area,
+                });
+            }
+            si_hks(basis, &own, Some(elements))
+        }
+        Descriptor::Hks(own) => hks(basis, own, Some(elements)),
+    })?;
+    Ok(rows)
+}

@@ -1,0 +1,137 @@
+use mser3d_comptree::{ComponentTree, Selection, pool, stable_regions};
+use mser3d_descriptors::TimeScale;
+use mser3d_shape::Eigenbasis;
+
+use crate::progress::{ProgressFn, Stage, report};
+use crate::weight::component_tree;
+use crate::{Body, Error, Parameters};
+
+/// A stable region.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Region {
+    /// The smallest region that contains this one, as a place in the list of regions.
+    pub parent: Option<usize>,
+    /// Which of the trees it was found in.
+    pub tree: usize,
+    /// The weight at which it is complete: for the heat weights length^-3 in a volume, length^-2 on a
+    /// surface (inverse for [`crate::Weight::HeatEdge`]).
+    pub altitude: f64,
+    /// Volume over its change with log altitude (eq. 5); infinite if it does not change over the
+    /// window, NaN in the baseline mode, which measures none.
+    pub stability: f64,
+    /// Volume in length^3, or area in length^2.
+    pub volume: f64,
+    /// Volume over that of the whole body.
+    pub volume_fraction: f64,
+    /// Its voxels or surface vertices, ascending.
+    pub elements: Vec<u32>,
+    /// The mesh's vertices that take their region from these elements, ascending.
+    pub vertices: Vec<u32>,
+    /// Centre of mass.
+    pub centroid: [f64; 3],
+}
+
+/// A component tree and what was selected from it.
+#[derive(Clone, Debug)]
+pub struct Tree {
+    /// The time scale of its weight; none for the commute time.
+    pub time_scale: Option<TimeScale>,
+    /// The time in length^2; none for the commute time.
+    pub time: Option<f64>,
+    /// The tree.
+    pub tree: ComponentTree,
+    /// Its stable regions, and what each filter cut.
+    pub selection: Selection,
+}
+
+/// The regions of a body, and the trees they come from.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// By descending volume.
+    pub regions: Vec<Region>,
+    /// One tree for each time scale.
+    pub trees: Vec<Tree>,
+    /// Regions of one tree that were dropped because another tree had them too.
+    pub duplicates: usize,
+}
+
+/// Builds one component tree for each time scale, selects its stable regions, and pools them.
+///
+/// # Errors
+/// [`Error::Tree`], [`Error::Descriptor`] (weights), [`Error::BadParameter`], [`Error::Cancelled`].
+pub fn find_regions(
+    body: &Body,
+    basis: &Eigenbasis,
+    parameters: &Parameters,
+    progress: ProgressFn,
+) -> Result<Found, Error> {
+    parameters.validate()?;
+    let scales: Vec<Option<TimeScale>> = if parameters.weight.has_time_scale() {
+        parameters.time_scales.iter().copied().map(Some).collect()
+    } else {
+        vec![None]
+    };
+    let measure = basis.measure();
+    let reference = parameters.reference_measure.unwrap_or(measure);
+    let unit_time = reference.powf(2.0 / f64::from(basis.domain().dimension()));
+    let polarity = parameters.polarity.unwrap_or(parameters.weight.polarity());
+    let mut trees = Vec::with_capacity(scales.len());
+    for (done, &time_scale) in scales.iter().enumerate() {
+        report(progress, Stage::Regions, done, scales.len())?;
+        let time = time_scale.map(|scale| scale.with_unit(unit_time)).transpose()?;
+        let tree = component_tree(body, basis, parameters.weight, time.unwrap_or_default(), polarity)?;
+        let selection = stable_regions(&tree, &parameters.stability)?;
+        trees.push(Tree { time_scale, time, tree, selection });
+    }
+    let selections: Vec<(&ComponentTree, &Selection)> =
+        trees.iter().map(|t| (&t.tree, &t.selection)).collect();
+    let pooled = pool(&selections, basis.mass(), &parameters.pool)?;
+    let found: usize = trees.iter().map(|t| t.selection.regions.len()).sum();
+    let duplicates = found - pooled.len();
+    let regions = pooled
+        .into_iter()
+        .map(|region| {
+            let stable = &trees[region.tree].selection.regions[region.region];
+            let inside = Membership::new(body.len(), &region.vertices);
+            let vertices = (0u32..).zip(body.element_of_vertex()).filter(|&(_, &e)| inside.has(e));
+            Region {
+                parent: region.parent,
+                tree: region.tree,
+                altitude: stable.altitude,
+                stability: stable.stability,
+                volume: region.volume,
+                volume_fraction: region.volume / measure,
+                vertices: vertices.map(|(v, _)| v).collect(),
+                centroid: centroid(&region.vertices, body.positions(), basis.mass()),
+                elements: region.vertices,
+            }
+        })
+        .collect();
+    report(progress, Stage::Regions, scales.len(), scales.len())?;
+    Ok(Found { regions, trees, duplicates })
+}
+
+struct Membership(Vec<bool>);
+
+impl Membership {
+    fn new(n: usize, elements: &[u32]) -> Self {
+        let mut inside = vec![false; n];
+        elements.iter().for_each(|&e| inside[e as usize] = true);
+        Self(inside)
+    }
+
+    fn has(&self, element: u32) -> bool {
+        self.0[element as usize]
+    }
+}
+
+fn centroid(elements: &[u32], positions: &[[f64; 3]], mass: &[f64]) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    let mut total = 0.0;
+    for &e in elements {
+        let m = mass[e as usize];
+        total += m;
+        (0..3).for_each(|a| sum[a] += m * positions[e as usize][a]);
+    }
+    sum.map(|s| s / total)
+}
