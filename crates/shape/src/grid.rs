@@ -105,12 +105,7 @@ impl VoxelGrid {
     /// [`ShapeError::SizeMismatch`] for sizes that differ, [`ShapeError::DanglingLink`] for a link
     /// at an empty voxel, [`ShapeError::TooMany`] beyond 2^32 - 2 occupied voxels.
     pub fn new(frame: Frame, occupancy: BitGrid, links: [BitGrid; 3]) -> Result<Self, ShapeError> {
-        for bits in links.iter().chain([&occupancy]) {
-            if let Some(a) = (0..3).find(|&a| bits.dims()[a] != frame.dims[a]) {
-                let (found, expected) = (bits.dims()[a], frame.dims[a]);
-                return Err(ShapeError::SizeMismatch { what: "voxels along an axis", found, expected });
-            }
-        }
+        links.iter().chain([&occupancy]).try_for_each(|bits| check_size(&frame, bits))?;
         for axis in 0..3 {
             let allowed = inner_neighbours(&occupancy, axis);
             let stray = links[axis].words().iter().zip(allowed.words()).position(|(l, a)| l & !a != 0);
@@ -127,10 +122,25 @@ impl VoxelGrid {
     /// # Errors
     /// As [`VoxelGrid::new`].
     pub fn solid(frame: Frame, occupancy: BitGrid) -> Result<Self, ShapeError> {
+        check_size(&frame, &occupancy)?;
         let links = std::array::from_fn(|axis| inner_neighbours(&occupancy, axis));
-        let mut grid = Self::new(frame, occupancy, links)?;
-        grid.cut_diagonals = Some(Vec::new());
-        Ok(grid)
+        Self::unchecked(frame, occupancy, links, Some(Vec::new()))
+    }
+
+    /// The same grid with the links along an axis cut at these voxels, and how many of them there were.
+    /// Diagonal links are unknown from then on if there were any.
+    pub fn with_cut_links(mut self, axis: usize, voxels: &[[u32; 3]]) -> (Self, usize) {
+        let mut cut = 0;
+        for &voxel in voxels {
+            if self.links[axis].get(voxel) {
+                self.links[axis].set(voxel, false);
+                cut += 1;
+            }
+        }
+        if cut > 0 {
+            self.cut_diagonals = None;
+        }
+        (self, cut)
     }
 
     /// The same grid with its diagonal links determined: all diagonal neighbours are linked but
@@ -319,6 +329,17 @@ impl VoxelGrid {
     }
 }
 
+fn check_size(frame: &Frame, bits: &BitGrid) -> Result<(), ShapeError> {
+    match (0..3).find(|&a| bits.dims()[a] != frame.dims[a]) {
+        Some(a) => Err(ShapeError::SizeMismatch {
+            what: "voxels along an axis",
+            found: bits.dims()[a],
+            expected: frame.dims[a],
+        }),
+        None => Ok(()),
+    }
+}
+
 /// The voxels whose neighbour along +axis is inside too.
 fn inner_neighbours(inside: &BitGrid, axis: usize) -> BitGrid {
     let mut result = inside.clone();
@@ -383,6 +404,9 @@ mod tests {
         let grid =
             VoxelGrid::new(frame([4, 1, 1]), BitGrid::full([4, 1, 1]).unwrap(), links.clone()).unwrap();
         assert_eq!(grid.components().labels, [0, 0, 1, 1]);
+        let solid = VoxelGrid::solid(frame([4, 1, 1]), BitGrid::full([4, 1, 1]).unwrap()).unwrap();
+        let (cut, count) = solid.with_cut_links(0, &[[1, 0, 0], [3, 0, 0]]);
+        assert_eq!((cut, count), (grid.clone(), 1));
         let half = grid.restrict(|v| v >= 2);
         assert_eq!(half.linked_pairs(0).collect::<Vec<_>>(), [[0, 1]]);
         assert_eq!(grid.graph(Connectivity::TwentySix), Err(ShapeError::DiagonalsUnknown));

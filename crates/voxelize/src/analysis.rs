@@ -91,6 +91,21 @@ impl<'m> Analysis<'m> {
         }
     }
 
+    /// A mesh taken as it is, its edges not looked at.
+    pub fn unexamined(mesh: &'m TriangleMesh) -> Self {
+        Self {
+            file: EdgeCounts::default(),
+            counts: EdgeCounts::default(),
+            welded: false,
+            duplicates: Vec::new(),
+            dropped_duplicates: false,
+            turned: 0,
+            one_sided: 0,
+            triangles: Cow::Borrowed(mesh.triangles()),
+            edges: Edges::new(0, &[], |_| true),
+        }
+    }
+
     /// Which triangles form a body of their own: joined across edges with two sides, and, where
     /// more meet, joined with the others that are not balanced there without them.
     pub fn bodies(&self) -> DisjointSets {

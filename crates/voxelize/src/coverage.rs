@@ -1,8 +1,8 @@
 //! From crossings to inside: how often a point is covered, by whom, and what that means.
 
-use crate::columns::Crossing;
 use crate::holes::HoleField;
 use crate::surface::Surface;
+use crate::sweep::Crossing;
 
 /// What makes a point belong to the solid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

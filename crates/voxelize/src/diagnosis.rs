@@ -117,10 +117,10 @@ pub fn diagnose(mesh: &TriangleMesh) -> Diagnosis {
         signed_volume: mesh.signed_volume(),
         volume: surface.volume() / surface.scale.powi(3),
         area: mesh.area(),
-        bounding_box: mesh.bounding_box(),
+        bounding_box: (!mesh.triangles().is_empty()).then_some(surface.bounds),
         euler_characteristic: characteristic,
         genus,
-        overlap_fraction: crate::voxelization::coarse_overlap(mesh, &surface),
+        overlap_fraction: crate::voxelization::coarse_overlap(&surface),
         method,
         reason,
     }

@@ -21,7 +21,7 @@ pub(crate) fn frame(
     parameters: &VoxelizeParameters,
 ) -> Result<Frame, VoxelizeError> {
     if let Some(frame) = parameters.frame {
-        return checked(frame, mesh, parameters.max_box_voxels);
+        return checked(frame, surface, parameters.max_box_voxels);
     }
     let no_volume = || VoxelizeError::NoVolume {
         triangles: mesh.triangles().len(),
@@ -29,11 +29,10 @@ pub(crate) fn frame(
     };
     let pitch = match parameters.pitch {
         Pitch::Size(pitch) => pitch,
-        Pitch::Resolution(n) => resolution_pitch(mesh, n).ok_or_else(no_volume)?,
+        Pitch::Resolution(n) => resolution_pitch(surface, n).ok_or_else(no_volume)?,
         Pitch::Voxels(n) => counted_pitch(n, mesh, surface, analysis, rule, method).ok_or_else(no_volume)?,
     };
-    let frame = around_within(mesh, pitch, parameters.max_box_voxels)?;
-    checked(frame, mesh, parameters.max_box_voxels)
+    checked(around_within(surface, pitch, parameters.max_box_voxels)?, surface, parameters.max_box_voxels)
 }
 
 /// The pitch at which about n voxels fill the volume: the mesh's own where it is closed, otherwise
@@ -47,7 +46,7 @@ fn counted_pitch(
     method: Method,
 ) -> Option<f64> {
     let own = mesh.signed_volume().abs();
-    let longest = resolution_pitch(mesh, 1)?;
+    let longest = resolution_pitch(surface, 1)?;
     let closed = analysis.file.unbalanced == 0 && [0, surface.bodies.len()].contains(&surface.inverted);
     if closed && own.is_normal() && own > LEAST_VOLUME * longest.powi(3) {
         return Some((own / n as f64).cbrt());
@@ -61,7 +60,7 @@ fn counted_pitch(
         return pitch(surface.volume());
     }
     const COARSE: usize = 48;
-    let frame = around(mesh, resolution_pitch(mesh, COARSE)?).ok()?;
+    let frame = around(surface, resolution_pitch(surface, COARSE)?).ok()?;
     let solid = crate::voxelization::sweep(surface, &frame, rule, method, false).ok()?;
     pitch(solid.occupancy.count_ones() as f64 * (frame.spacing()[0] * surface.scale).powi(3))
 }
@@ -70,18 +69,18 @@ fn counted_pitch(
 const LEAST_VOLUME: f64 = 1e-12;
 
 /// The pitch that divides the longest side of the box around a mesh into n voxels.
-pub(crate) fn resolution_pitch(mesh: &TriangleMesh, n: usize) -> Option<f64> {
-    let longest = mesh.bounding_box()?.extent().into_iter().fold(0.0, f64::max);
+pub(crate) fn resolution_pitch(surface: &Surface, n: usize) -> Option<f64> {
+    let longest = surface.bounds.extent().into_iter().fold(0.0, f64::max);
     (longest > 0.0 && longest.is_finite()).then_some(longest / n as f64)
 }
 
 /// The frame around a mesh: corner at the lowest coordinates less one pitch, cubic voxels.
-pub(crate) fn around(mesh: &TriangleMesh, pitch: f64) -> Result<Frame, VoxelizeError> {
-    around_within(mesh, pitch, 1 << 32)
+pub(crate) fn around(surface: &Surface, pitch: f64) -> Result<Frame, VoxelizeError> {
+    around_within(surface, pitch, 1 << 32)
 }
 
-fn around_within(mesh: &TriangleMesh, pitch: f64, limit: u64) -> Result<Frame, VoxelizeError> {
-    let bounds = mesh.bounding_box().ok_or(VoxelizeError::NoTriangles)?;
+fn around_within(surface: &Surface, pitch: f64, limit: u64) -> Result<Frame, VoxelizeError> {
+    let bounds = &surface.bounds;
     let origin = bounds.min.map(|x| x - MARGIN * pitch);
     let dims: [f64; 3] =
         std::array::from_fn(|a| ((bounds.max[a] - origin[a] + MARGIN * pitch) / pitch).ceil());
@@ -95,14 +94,14 @@ fn around_within(mesh: &TriangleMesh, pitch: f64, limit: u64) -> Result<Frame, V
 }
 
 /// Refuses frames that are too large, or finer than the coordinates' precision.
-fn checked(frame: Frame, mesh: &TriangleMesh, limit: u64) -> Result<Frame, VoxelizeError> {
+fn checked(frame: Frame, surface: &Surface, limit: u64) -> Result<Frame, VoxelizeError> {
     let voxels: f64 = frame.dims().iter().map(|&d| d as f64).product();
     let finest = frame.spacing().into_iter().fold(f64::INFINITY, f64::min);
     if voxels > limit as f64 {
         let advice = finest * (voxels / limit as f64).cbrt();
         return Err(VoxelizeError::TooLarge { pitch: finest, voxels, limit, advice });
     }
-    let used = mesh.bounding_box().ok_or(VoxelizeError::NoTriangles)?;
+    let used = &surface.bounds;
     let reach = (0..3)
         .flat_map(|a| {
             [
@@ -129,7 +128,7 @@ pub(crate) fn nothing_inside(
     let pitch = frame.spacing().into_iter().fold(f64::INFINITY, f64::min);
     let volume = (surface.volume() / surface.scale.powi(3)).max(mesh.signed_volume().abs());
     let area = mesh.area();
-    let longest = resolution_pitch(mesh, 1).unwrap_or(0.0);
+    let longest = resolution_pitch(surface, 1).unwrap_or(0.0);
     if volume > LEAST_VOLUME * longest.powi(3) && area > 0.0 {
         if parameters.frame.is_some() && pitch < volume / area {
             return VoxelizeError::OutsideFrame;

@@ -1,6 +1,7 @@
 //! The voxel centres, axis by axis, and where coordinates fall between them.
 
 use mser3d_shape::Frame;
+use rayon::prelude::*;
 
 /// The centres of a frame's voxels, and the map to *grid units* in which centre i lies at i.
 pub(crate) struct Lattice {
@@ -9,8 +10,17 @@ pub(crate) struct Lattice {
     pub centres: [Vec<f64>; 3],
     origin: [f64; 3],
     inverse: [f64; 3],
-    /// Bound on the rounding error of [`Lattice::grid_units`], in grid units.
+    /// Bound on the rounding error of grid units.
     pub tolerance: f64,
+}
+
+/// A vertex on a lattice.
+#[derive(Clone, Copy)]
+pub(crate) struct Placed {
+    /// In grid units, up to the lattice's tolerance.
+    pub units: [f64; 3],
+    /// The first centre at or beyond the vertex along each axis, exact; the number of centres if there is none.
+    pub first: [u32; 3],
 }
 
 impl Lattice {
@@ -37,30 +47,72 @@ impl Lattice {
         Self { dims, centres, origin, inverse: spacing.map(|h| 1.0 / h), tolerance }
     }
 
-    /// A coordinate in grid units, up to `tolerance`.
-    #[inline]
-    pub fn grid_units(&self, axis: usize, x: f64) -> f64 {
-        (x - self.origin[axis]) * self.inverse[axis] - 0.5
+    /// All vertices on this lattice.
+    pub fn place(&self, vertices: &[[f64; 3]]) -> Vec<Placed> {
+        let place = |p: &[f64; 3]| {
+            let units = std::array::from_fn(|a| (p[a] - self.origin[a]) * self.inverse[a] - 0.5);
+            Placed { units, first: std::array::from_fn(|a| self.first_at_or_beyond(a, p[a], units[a])) }
+        };
+        vertices.par_iter().with_min_len(1 << 12).map(place).collect()
     }
 
-    /// The first centre at or beyond x along an axis: exact, `dims[axis]` if there is none.
     #[inline]
-    pub fn first_at_or_beyond(&self, axis: usize, x: f64) -> u32 {
-        let centres = &self.centres[axis];
-        let guess = self.grid_units(axis, x) + 1.0;
-        let mut i = (guess.max(0.0) as usize).min(centres.len());
-        while i > 0 && centres[i - 1] >= x {
-            i -= 1;
+    fn first_at_or_beyond(&self, axis: usize, x: f64, units: f64) -> u32 {
+        let last = self.dims[axis] as u32;
+        if let Some(i) = certain_ceiling(units, self.tolerance) {
+            return i.min(last);
         }
-        while i < centres.len() && centres[i] < x {
-            i += 1;
-        }
-        i as u32
+        self.centres[axis].partition_point(|centre| *centre < x) as u32
     }
 
     /// The centre of a voxel.
     #[inline]
     pub fn centre(&self, voxel: [usize; 3]) -> [f64; 3] {
         std::array::from_fn(|a| self.centres[a][voxel[a]])
+    }
+}
+
+/// The smallest integer beyond x, at least 0, if x is further than `error` from any integer.
+#[inline]
+pub(crate) fn certain_ceiling(x: f64, error: f64) -> Option<u32> {
+    let above = if x < -1.5 { -0.5 } else { x + 1.0 };
+    let ceiling = above as i32;
+    let fraction = above - f64::from(ceiling);
+    // Below -1 the cast rounds up to 0, which is the answer there.
+    let certain = (fraction > error && 1.0 - fraction > error) || above < -error;
+    certain.then_some(ceiling as u32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ceilings_are_given_only_when_certain() {
+        assert_eq!(certain_ceiling(3.2, 0.1), Some(4));
+        assert_eq!(certain_ceiling(3.95, 0.1), None);
+        assert_eq!(certain_ceiling(4.05, 0.1), None);
+        assert_eq!(certain_ceiling(-0.5, 0.1), Some(0));
+        assert_eq!(certain_ceiling(-1.05, 0.1), None);
+        assert_eq!(certain_ceiling(-7e9, 0.1), Some(0));
+        assert_eq!(certain_ceiling(9e9, 0.1), None);
+        assert_eq!(certain_ceiling(1.5, 0.5), None);
+        assert_eq!(certain_ceiling(1.5, f64::NAN), None);
+        assert_eq!(certain_ceiling(f64::NAN, 0.1), None);
+    }
+
+    #[test]
+    fn vertices_fall_before_the_right_centre() {
+        let frame = Frame::new([4, 4, 4], [0.1, 0.2, 0.3], [0.7; 3]).unwrap();
+        let lattice = Lattice::new(&frame, 1.0, 3.0);
+        for i in 0..4 {
+            let centre = frame.centre([i; 3]);
+            for (x, first) in
+                [(centre, i), (centre.map(f64::next_up), i + 1), (centre.map(f64::next_down), i)]
+            {
+                assert_eq!(lattice.place(&[x])[0].first, [first; 3]);
+            }
+        }
+        assert_eq!(lattice.place(&[[-9.0, 9.0, 9e300]])[0].first, [0, 4, 4]);
     }
 }

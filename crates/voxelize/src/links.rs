@@ -1,25 +1,20 @@
 //! Links between the voxels of a solid.
 
-use crate::solid::Solid;
-use mser3d_shape::{Frame, ShapeError, VoxelGrid};
+use mser3d_shape::{BitGrid, Frame, ShapeError, VoxelGrid};
 
 /// Links all neighbours inside but those that are cut; also the number of links cut.
-pub(crate) fn link(frame: &Frame, solid: &Solid) -> Result<(VoxelGrid, usize), ShapeError> {
-    let full = VoxelGrid::solid(*frame, solid.occupancy.clone())?;
-    if solid.cuts.iter().all(Vec::is_empty) {
-        return Ok((full, 0));
-    }
-    let mut links = full.links().clone();
-    let mut cut = 0;
+pub(crate) fn link(
+    frame: Frame,
+    occupancy: BitGrid,
+    cuts: &[Vec<[u32; 3]>; 3],
+) -> Result<(VoxelGrid, usize), ShapeError> {
+    let mut grid = VoxelGrid::solid(frame, occupancy)?;
+    let mut total = 0;
     for axis in 0..3 {
-        for &voxel in &solid.cuts[axis] {
-            if links[axis].get(voxel) {
-                links[axis].set(voxel, false);
-                cut += 1;
-            }
-        }
+        let (with_cuts, count) = grid.with_cut_links(axis, &cuts[axis]);
+        (grid, total) = (with_cuts, total + count);
     }
-    Ok((VoxelGrid::new(*frame, solid.occupancy.clone(), links)?, cut))
+    Ok((grid, total))
 }
 
 /// The largest linked component, and how many components and voxels were dropped.

@@ -1,10 +1,10 @@
 //! The inside of a surface as bits, from sweeps along the axes.
 
-use crate::columns::{Crossing, SlabLines, Sweep};
 use crate::coverage::{Rule, State};
 use crate::holes::{BLOCK, HoleField};
-use crate::lattice::Lattice;
+use crate::lattice::{Lattice, Placed};
 use crate::surface::Surface;
+use crate::sweep::{Crossing, SlabLines, Sweep};
 use mser3d_shape::{BitGrid, ShapeError};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -24,6 +24,7 @@ pub(crate) struct Solid {
 pub(crate) struct Scene<'a> {
     pub lattice: &'a Lattice,
     pub surface: &'a Surface<'a>,
+    pub placed: Vec<Placed>,
     pub rule: Rule,
     pub field: Option<HoleField>,
     pub cut_links: bool,
@@ -38,7 +39,7 @@ struct Tally {
 
 impl<'a> Scene<'a> {
     fn sweep(&self, axis: usize) -> Sweep<'_> {
-        Sweep::new(self.lattice, &self.surface.vertices, &self.surface.triangles, axis)
+        Sweep::new(self.lattice, &self.surface.vertices, &self.placed, &self.surface.triangles, axis)
     }
 
     /// Whether a crossing changes the integer winding number.

@@ -2,7 +2,8 @@
 
 use crate::analysis::Analysis;
 use crate::vector::{Vec3, add, area_vector, cross, dot, norm, scaled, solid_angle, sub};
-use mser3d_shape::{DisjointSets, TriangleMesh};
+use mser3d_shape::{BoundingBox, DisjointSets, TriangleMesh};
+use rayon::prelude::*;
 use std::borrow::Cow;
 use std::collections::HashMap;
 
@@ -36,6 +37,8 @@ pub(crate) struct Surface<'m> {
     pub body_of: Vec<u32>,
     /// Power of two that coordinates were multiplied with.
     pub scale: f64,
+    /// The box around the mesh, in its own units.
+    pub bounds: BoundingBox,
     /// Largest absolute value of a scaled coordinate.
     pub reach: f64,
     /// Bodies turned inside out to face outwards.
@@ -67,7 +70,8 @@ impl<'m> Surface<'m> {
     }
 
     fn new(mesh: &'m TriangleMesh, triangles: Cow<'m, [[u32; 3]]>) -> Self {
-        let reach = mesh.vertices().iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()));
+        let bounds = bounds(mesh);
+        let reach = bounds.min.iter().chain(&bounds.max).fold(0.0f64, |m, x| m.max(x.abs()));
         // Products of five coordinates must neither overflow nor vanish.
         let exponent = if reach > 0.0 { reach.log2().floor() } else { 0.0 };
         let scale = if exponent.abs() > 100.0 { (-exponent).exp2() } else { 1.0 };
@@ -85,6 +89,7 @@ impl<'m> Surface<'m> {
             bodies: Vec::new(),
             body_of: Vec::new(),
             scale,
+            bounds,
             reach: reach * scale,
             inverted: 0,
         }
@@ -224,9 +229,9 @@ impl<'m> Surface<'m> {
 
     /// Turns bodies of negative volume over, unless another body surrounds them: those are cavities.
     fn face_outwards(&mut self) {
-        let mut turn = vec![self.volume() < 0.0; self.bodies.len()];
+        let everything = self.volume() < 0.0;
+        let mut turn = vec![everything; self.bodies.len()];
         let sign = |turn: bool| if turn { -1.0 } else { 1.0 };
-        let everything = turn[0];
         let negative: Vec<usize> = (0..self.bodies.len())
             .filter(|&b| !self.bodies[b].scattered && self.bodies[b].volume * sign(everything) < 0.0)
             .collect();
@@ -256,6 +261,24 @@ impl<'m> Surface<'m> {
             body.volume *= sign(*turn);
         }
     }
+}
+
+/// The box around all triangles; without triangles a box turned inside out.
+fn bounds(mesh: &TriangleMesh) -> BoundingBox {
+    let nothing = || ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    let least = |a: Vec3, b: Vec3| std::array::from_fn(|i| if b[i] < a[i] { b[i] } else { a[i] });
+    let most = |a: Vec3, b: Vec3| std::array::from_fn(|i| if b[i] > a[i] { b[i] } else { a[i] });
+    let (min, max) = mesh
+        .triangles()
+        .par_chunks(1 << 14)
+        .map(|chunk| {
+            chunk.iter().flatten().fold(nothing(), |(low, high), &v| {
+                let p = mesh.vertices()[v as usize];
+                (least(low, p), most(high, p))
+            })
+        })
+        .reduce(nothing, |a, b| (least(a.0, b.0), most(a.1, b.1)));
+    BoundingBox { min, max }
 }
 
 /// Bodies of negative volume that are tested for being cavities; further ones are taken for cavities.

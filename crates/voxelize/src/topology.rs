@@ -119,11 +119,18 @@ pub(crate) fn weld(vertices: &[[f64; 3]]) -> Option<Vec<u32>> {
     (first.len() < vertices.len()).then_some(map)
 }
 
-/// Triangles that repeat the vertices of an earlier one, in any order.
+/// Triangles that repeat the vertices of an earlier one, in any order; two that are closed back to back
+/// on their own are not told.
 pub(crate) fn duplicates(triangles: &[[u32; 3]], edges: &Edges) -> Vec<usize> {
     let third = |t: usize, u: u32, v: u32| triangles[t].into_iter().find(|&w| w != u && w != v);
     let mut found = Vec::new();
     edges.for_each(|u, v, sides| {
+        // Two sides that run opposite ways are the ordinary case.
+        if let [(_, a), (_, b)] = sides
+            && a.direction() != b.direction()
+        {
+            return;
+        }
         for (i, &(_, side)) in sides.iter().enumerate().skip(1) {
             let apex = third(side.triangle(), u, v);
             if sides[..i].iter().any(|&(_, other)| third(other.triangle(), u, v) == apex) {

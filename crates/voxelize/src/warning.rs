@@ -1,7 +1,6 @@
 use crate::analysis::Analysis;
 use crate::surface::Surface;
 use crate::voxelization::Voxelization;
-use mser3d_shape::TriangleMesh;
 use std::fmt;
 
 /// What the user of a voxelization should know.
@@ -94,7 +93,6 @@ impl fmt::Display for Warning {
 }
 
 pub(crate) fn warnings(
-    mesh: &TriangleMesh,
     analysis: &Analysis,
     surface: &Surface,
     result: &Voxelization,
@@ -102,11 +100,9 @@ pub(crate) fn warnings(
 ) -> Vec<Warning> {
     let mut list = Vec::new();
     let frame = result.grid.frame();
-    if let Some(bounds) = mesh.bounding_box() {
-        let (low, high) = (frame.locate(bounds.min), frame.locate(bounds.max));
-        if (0..3).any(|a| low[a] < 0.5 || high[a] > frame.dims()[a] as f64 - 0.5) {
-            list.push(Warning::Clipped);
-        }
+    let (low, high) = (frame.locate(surface.bounds.min), frame.locate(surface.bounds.max));
+    if (0..3).any(|a| low[a] < 0.5 || high[a] > frame.dims()[a] as f64 - 0.5) {
+        list.push(Warning::Clipped);
     }
     let counts = &analysis.counts;
     if counts.boundary > 0 {

@@ -246,6 +246,7 @@ fn bad_input_is_a_clear_error() {
     let default = VoxelizeParameters::default();
     let empty = TriangleMesh::new(vec![], vec![]).unwrap();
     assert_eq!(error(&empty, &default), VoxelizeError::NoTriangles);
+    assert_eq!((diagnose(&empty).closed, diagnose(&empty).bounding_box), (false, None));
     let one = TriangleMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]).unwrap();
     assert!(matches!(error(&one, &default), VoxelizeError::NoVolume { triangles: 1, boundary_edges: 3 }));
     let point = TriangleMesh::new(vec![[1.0; 3]; 3], vec![[0, 1, 2]]).unwrap();
