@@ -66,8 +66,10 @@ pub enum DescriptorError {
         /// Its number, from 0.
         region: usize,
     },
-    /// Fewer descriptors than the operation needs.
-    #[error("{needed} descriptors are needed, but there are {found}")]
+    /// Fewer different descriptors than the operation needs.
+    #[error(
+        "{needed} different descriptors are needed, but there are {found}; take fewer words or more shapes"
+    )]
     TooFewDescriptors {
         /// How many are needed.
         needed: usize,

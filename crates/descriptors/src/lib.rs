@@ -9,10 +9,29 @@
 //! | vHKS, HKS | [`hks`] | section 5 |
 //! | SI-vHKS, SI-HKS | [`si_hks`] | eq. 9 |
 //! | descriptors of regions | [`region_descriptors`] | eq. 11 |
+//! | bags of features | [`Vocabulary`] | section 5 |
+//! | 3D integral invariants | [`integral_invariants`] | section 5 |
 //! | matches between two shapes' regions | [`match_descriptors`] | section 6 |
 //!
 //! The paper is R. Litman, A. Bronstein, M. Bronstein, *Stable volumetric features in deformable shapes*,
 //! Computers & Graphics 36 (2012).
+//!
+//! ```
+//! use mser3d_descriptors::{SiHksParams, TimeScale, auto_diffusivity, region_descriptors, si_hks};
+//! use mser3d_shape::{Domain, Eigenbasis};
+//!
+//! // A rod of two voxels of volume 1/2: one constant mode and one of opposite signs.
+//! let basis = Eigenbasis::new(Domain::Volume, vec![0.5; 2], vec![0.0, 4.0], vec![1., 1., 1., -1.])?;
+//! let t = TimeScale::Relative(0.5).on(&basis)?;
+//! let heat = auto_diffusivity(&basis, t)?;
+//! assert!((heat[0] - (1.0 + (-4.0 * t).exp())).abs() < 1e-15);
+//!
+//! let regions = [[0u32]];
+//! let params = SiHksParams::default();
+//! let rows = region_descriptors(&regions, basis.mass(), |voxels| si_hks(&basis, &params, Some(voxels)))?;
+//! assert_eq!(rows.width(), 6);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 //!
 //! Times have units of length^2 ([`TimeScale`]). Results are the same, bit for bit, for any number of threads.
 #![warn(missing_docs)]
@@ -22,6 +41,8 @@ mod commute;
 mod error;
 mod heat;
 mod hks;
+mod integral_invariants;
+mod kmeans;
 mod matching;
 mod regions;
 mod selection;
@@ -29,14 +50,17 @@ mod si_hks;
 mod spectrum;
 mod table;
 mod time;
+mod vocabulary;
 
 pub use assignment::assign;
 pub use commute::{ZERO_EIGENVALUE, commute_time, power_diffusivity, zero_modes};
 pub use error::DescriptorError;
 pub use heat::{auto_diffusivity, diffusion_distance, heat_kernel, heat_trace, inverse_heat_kernel};
 pub use hks::{HksParams, hks};
+pub use integral_invariants::{IntegralInvariantParams, integral_invariants};
 pub use matching::{Candidate, Match, MatchParams, MatchRule, match_descriptors};
 pub use regions::region_descriptors;
 pub use si_hks::{SiHksParams, si_hks};
 pub use table::Descriptors;
 pub use time::TimeScale;
+pub use vocabulary::{Vocabulary, VocabularyParams};
