@@ -1,0 +1,24 @@
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Why a command failed. Displayed as one line on stderr.
+#[derive(Debug, thiserror::Error)]
+pub enum CliError {
+    /// Arguments that contradict each other or are out of range: exit code 2.
+    #[error("{0}")]
+    Usage(String),
+    #[error(transparent)]
+    File(#[from] mser3d_meshio::MeshIoError),
+    #[error("{}: {source}", path.display())]
+    Shape { path: PathBuf, source: mser3d::Error },
+    #[error("{}: cannot be used as output folder: {source}; choose another with -o", path.display())]
+    OutputFolder { path: PathBuf, source: std::io::Error },
+    #[error("standard output: {0}")]
+    Stdout(std::io::Error),
+}
+
+impl CliError {
+    pub fn exit_code(&self) -> ExitCode {
+        ExitCode::from(if matches!(self, Self::Usage(_)) { 2 } else { 1 })
+    }
+}

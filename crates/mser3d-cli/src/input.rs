@@ -1,0 +1,75 @@
+//! The input file: a mesh, or a solid as a voxel mask.
+
+use std::path::{Path, PathBuf};
+
+use mser3d::shape::{BitGrid, TriangleMesh};
+use mser3d_meshio::{LoadedMesh, MeshFormat, MeshIoError, ReadOptions, read_mask, read_mesh_from};
+use sha2::{Digest, Sha256};
+
+use crate::error::CliError;
+
+/// Which file, and which pose in it.
+#[derive(clap::Args, Clone, Debug)]
+pub struct InputArgs {
+    /// Mesh (.obj .gltf .glb .off .ply .stl), or a solid as a voxel mask (.npy, indexed [x, y, z])
+    pub input: PathBuf,
+    /// glTF animation that poses the figure, by name or number from 0
+    #[arg(long, value_name = "NAME", help_heading = "Input")]
+    pub animation: Option<String>,
+    /// When in the animation, in seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, help_heading = "Input")]
+    pub time: f64,
+}
+
+/// What the file holds.
+pub enum Contents {
+    Mesh(Box<LoadedMesh>),
+    Mask(BitGrid),
+}
+
+/// A file that was read.
+pub struct Input {
+    pub path: PathBuf,
+    pub sha256: String,
+    pub bytes: u64,
+    pub contents: Contents,
+}
+
+impl Input {
+    pub fn read(args: &InputArgs) -> Result<Self, CliError> {
+        let path = &args.input;
+        let options = ReadOptions { animation: args.animation.clone(), time: args.time };
+        if let Err(MeshIoError::BadParameter { parameter, reason }) = options.validate() {
+            return Err(CliError::Usage(format!("--{parameter}: {reason}")));
+        }
+        let read = |source| MeshIoError::Read { path: path.clone(), source };
+        let bytes = std::fs::read(path).map_err(read)?;
+        let sha256 = Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect();
+        let contents = if is_mask(path) {
+            Contents::Mask(read_mask(path)?)
+        } else {
+            let format = MeshFormat::of(path, &bytes)?;
+            Contents::Mesh(Box::new(read_mesh_from(format, &bytes, path, &options)?))
+        };
+        Ok(Self { path: path.clone(), sha256, bytes: bytes.len() as u64, contents })
+    }
+
+    pub fn mesh(&self) -> Option<&TriangleMesh> {
+        self.loaded().map(|loaded| &loaded.mesh)
+    }
+
+    pub fn loaded(&self) -> Option<&LoadedMesh> {
+        match &self.contents {
+            Contents::Mesh(loaded) => Some(loaded),
+            Contents::Mask(_) => None,
+        }
+    }
+
+    pub fn format(&self) -> String {
+        self.loaded().map_or("npy mask".into(), |loaded| loaded.format.to_string())
+    }
+}
+
+fn is_mask(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npy"))
+}

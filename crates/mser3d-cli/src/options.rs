@@ -1,0 +1,216 @@
+//! Command-line options that become [`Parameters`].
+
+use clap::ValueEnum;
+use mser3d::comptree::{AltitudeScale, Mode, Polarity};
+use mser3d::descriptors::{HksParams, TimeScale};
+use mser3d::shape::{Connectivity, Domain};
+use mser3d::spectral::Eigensolver;
+use mser3d::voxelize::{Method, Overlap, Pitch};
+use mser3d::{Descriptor, Parameters, Weight};
+
+use crate::error::CliError;
+use crate::machine::available_memory;
+
+/// Options of everything that computes regions.
+#[derive(clap::Args, Clone, Debug)]
+pub struct RegionOptions {
+    /// Search the surface instead of the volume inside
+    #[arg(long, help_heading = "Method")]
+    pub surface: bool,
+    /// What the component tree is built on: heat kernel H_t(v,v), commute time, or edges 1/H_t(u,v)
+    #[arg(long, value_enum, default_value_t = WeightArg::Heat, help_heading = "Method")]
+    pub weight: WeightArg,
+    /// Time scales, in units of volume^(2/3) (surface: area); one tree each, regions pooled
+    #[arg(long, value_name = "T_REL,...", value_delimiter = ',', default_values_t = [0.25, 0.5, 1.0, 2.0],
+          help_heading = "Method")]
+    pub time_scale: Vec<f64>,
+    /// Time scales in squared units of the input's coordinates, instead of --time-scale
+    #[arg(
+        long,
+        value_name = "T,...",
+        value_delimiter = ',',
+        conflicts_with = "time_scale",
+        help_heading = "Method"
+    )]
+    pub absolute_time: Vec<f64>,
+    /// Volume (surface: area) that time scales and descriptors refer to, in the input's units; give all
+    /// poses of a body that of one [default: the shape's own]
+    #[arg(long, value_name = "MEASURE", help_heading = "Method")]
+    pub reference_measure: Option<f64>,
+    /// Which way the tree grows [default: the one that finds limbs]
+    #[arg(long, value_enum, help_heading = "Method")]
+    pub polarity: Option<PolarityArg>,
+
+    /// Voxels in the solid, about [default: 45000]
+    #[arg(long, value_name = "N", group = "size", help_heading = "Voxels")]
+    pub voxels: Option<usize>,
+    /// Voxels on the longest axis
+    #[arg(long, value_name = "N", group = "size", help_heading = "Voxels")]
+    pub resolution: Option<usize>,
+    /// Edge of a voxel, in the input's units (of a mask: 1 by default)
+    #[arg(long, value_name = "H", group = "size", help_heading = "Voxels")]
+    pub pitch: Option<f64>,
+    /// Neighbours of a voxel in the tree (the Laplacian has 6)
+    #[arg(long, value_enum, default_value_t = ConnectivityArg::Six, help_heading = "Voxels")]
+    pub connectivity: ConnectivityArg,
+    /// How inside is told from outside
+    #[arg(long, value_enum, default_value_t = MethodArg::Auto, help_heading = "Voxels")]
+    pub inside: MethodArg,
+    /// What to do where the solid overlaps itself: limbs parted, bodies joined; or force one
+    #[arg(long, value_enum, default_value_t = OverlapArg::Auto, help_heading = "Voxels")]
+    pub overlap: OverlapArg,
+    /// Link all neighbours, even where the surface runs between them
+    #[arg(long, help_heading = "Voxels")]
+    pub no_cut_links: bool,
+
+    /// Smallest eigenpairs of the Laplacian
+    #[arg(long, value_name = "K", default_value_t = 100, help_heading = "Spectrum")]
+    pub eigenpairs: usize,
+    /// Largest relative residual of an eigenpair
+    #[arg(long, value_name = "R", default_value_t = 1e-9, help_heading = "Spectrum")]
+    pub tolerance: f64,
+    /// How eigenpairs are found
+    #[arg(long, value_enum, default_value_t = SolverArg::Auto, help_heading = "Spectrum")]
+    pub solver: SolverArg,
+    /// Refuse to start when the spectrum needs more memory, in MB [default: 80 % of what is free]
+    #[arg(long, value_name = "MB", help_heading = "Spectrum")]
+    pub memory_limit: Option<u64>,
+
+    /// How stable regions are chosen: windowed stability, as published, or no stability at all
+    #[arg(long, value_enum, default_value_t = ModeArg::Windowed, help_heading = "Regions")]
+    pub mode: ModeArg,
+    /// Half width of the stability window, in units of (log) altitude
+    #[arg(long, value_name = "D", default_value_t = 0.2, help_heading = "Regions")]
+    pub window: f64,
+    /// Scale on which altitude, and so stability, is measured
+    #[arg(long, value_enum, default_value_t = AltitudeArg::Log, help_heading = "Regions")]
+    pub altitude: AltitudeArg,
+    /// Smallest region, as a fraction of the whole
+    #[arg(long, value_name = "F", default_value_t = 0.01, help_heading = "Regions")]
+    pub min_volume: f64,
+    /// Largest region, as a fraction of the whole
+    #[arg(long, value_name = "F", default_value_t = 0.75, help_heading = "Regions")]
+    pub max_volume: f64,
+    /// How much smaller than the next larger region a nested one must be, as a fraction
+    #[arg(long, value_name = "F", default_value_t = 0.2, help_heading = "Regions")]
+    pub min_diversity: f64,
+    /// Drop regions that are less stable [default: none]
+    #[arg(long, value_name = "S", help_heading = "Regions")]
+    pub min_stability: Option<f64>,
+    /// Overlap from which regions of two time scales are one
+    #[arg(long, value_name = "F", default_value_t = 0.7, help_heading = "Regions")]
+    pub duplicate_overlap: f64,
+    /// Descriptor: scale-invariant (SI-vHKS) or plain (vHKS) heat kernel signature
+    #[arg(long, value_enum, default_value_t = DescriptorArg::SiHks, help_heading = "Regions")]
+    pub descriptor: DescriptorArg,
+}
+
+macro_rules! choices {
+    ($name:ident { $($(#[$doc:meta])* $variant:ident),* $(,)? }) => {
+        #[derive(Clone, Copy, Debug, ValueEnum, PartialEq, Eq)]
+        pub enum $name { $($(#[$doc])* $variant),* }
+    };
+}
+
+choices!(WeightArg { Heat, Commute, Edge });
+choices!(PolarityArg { Sublevel, Superlevel });
+choices!(ConnectivityArg {
+    #[value(name = "6")]
+    Six,
+    #[value(name = "26")]
+    TwentySix
+});
+choices!(MethodArg { Auto, Parity, Vote, Winding });
+choices!(OverlapArg { Auto, Part, Join });
+choices!(SolverArg { Auto, ShiftInvert, Filter });
+choices!(ModeArg { Windowed, Paper, Baseline });
+choices!(AltitudeArg { Log, Linear });
+choices!(DescriptorArg { SiHks, Hks });
+
+impl RegionOptions {
+    pub fn domain(&self) -> Domain {
+        if self.surface { Domain::Surface } else { Domain::Volume }
+    }
+
+    /// The library's parameters; values out of range are wrong use.
+    pub fn parameters(&self) -> Result<Parameters, CliError> {
+        let mut p = Parameters::default();
+        p.voxelize.pitch = match (self.voxels, self.resolution, self.pitch) {
+            (Some(n), _, _) => Pitch::Voxels(n),
+            (_, Some(n), _) => Pitch::Resolution(n),
+            (_, _, Some(h)) => Pitch::Size(h),
+            _ => p.voxelize.pitch,
+        };
+        p.voxelize.connectivity = match self.connectivity {
+            ConnectivityArg::Six => Connectivity::Six,
+            ConnectivityArg::TwentySix => Connectivity::TwentySix,
+        };
+        p.voxelize.method = match self.inside {
+            MethodArg::Auto => Method::Auto,
+            MethodArg::Parity => Method::Parity,
+            MethodArg::Vote => Method::Vote,
+            MethodArg::Winding => Method::Winding,
+        };
+        p.voxelize.overlap = match self.overlap {
+            OverlapArg::Auto => Overlap::Auto,
+            OverlapArg::Part => Overlap::Part,
+            OverlapArg::Join => Overlap::Join,
+        };
+        p.voxelize.cut_links = !self.no_cut_links;
+        p.spectrum.eigenpairs = self.eigenpairs;
+        p.spectrum.tolerance = self.tolerance;
+        p.spectrum.solver = match self.solver {
+            SolverArg::Auto => Eigensolver::Auto,
+            SolverArg::ShiftInvert => Eigensolver::ShiftInvert,
+            SolverArg::Filter => Eigensolver::Filter,
+        };
+        p.spectrum.memory_limit =
+            self.memory_limit.map(|mb| mb * 1_000_000).or_else(|| available_memory().map(|m| m / 5 * 4));
+        p.weight = match self.weight {
+            WeightArg::Heat => Weight::Heat,
+            WeightArg::Commute => Weight::CommuteTime,
+            WeightArg::Edge => Weight::HeatEdge,
+        };
+        p.polarity = self.polarity.map(|polarity| match polarity {
+            PolarityArg::Sublevel => Polarity::Sublevel,
+            PolarityArg::Superlevel => Polarity::Superlevel,
+        });
+        p.time_scales = if self.absolute_time.is_empty() {
+            self.time_scale.iter().copied().map(TimeScale::Relative).collect()
+        } else {
+            self.absolute_time.iter().copied().map(TimeScale::Absolute).collect()
+        };
+        p.reference_measure = self.reference_measure;
+        p.stability.mode = match self.mode {
+            ModeArg::Windowed => Mode::Windowed { window: self.window },
+            ModeArg::Paper => Mode::Paper,
+            ModeArg::Baseline => Mode::Baseline,
+        };
+        p.stability.scale = match self.altitude {
+            AltitudeArg::Log => AltitudeScale::Log,
+            AltitudeArg::Linear => AltitudeScale::Linear,
+        };
+        p.stability.min_volume_fraction = self.min_volume;
+        p.stability.max_volume_fraction = self.max_volume;
+        p.stability.min_diversity = self.min_diversity;
+        p.stability.min_stability = self.min_stability;
+        p.pool.duplicate_overlap = self.duplicate_overlap;
+        if self.descriptor == DescriptorArg::Hks {
+            p.descriptor = Descriptor::Hks(HksParams::default());
+        }
+        p.validate().map_err(|e| CliError::Usage(format!("wrong parameter: {e}")))?;
+        Ok(p)
+    }
+}
+
+/// Sets the number of threads for everything that follows.
+pub fn use_threads(threads: Option<usize>) -> Result<(), CliError> {
+    match threads {
+        None => Ok(()),
+        Some(0) => Err(CliError::Usage("--threads must be at least 1".into())),
+        Some(n) => rayon::ThreadPoolBuilder::new()
+            .num_threads(n)
+            .build_global()
+            .map_err(|e| CliError::Usage(format!("--threads {n}: {e}"))),
+    }
+}

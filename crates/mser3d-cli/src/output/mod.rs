@@ -1,0 +1,8 @@
+//! The results folder: `regions.json`, `features.npz`, `surface.ply`, `volume.vti`.
+
+mod arrays;
+mod folder;
+mod report;
+
+pub use folder::OutputFolder;
+pub use report::{DiagnosisReport, Report};

@@ -1,0 +1,351 @@
+//! `regions.json`: what was read, how it was treated, and what was found.
+
+use mser3d::comptree::{AltitudeScale, Mode, Polarity};
+use mser3d::descriptors::TimeScale;
+use mser3d::shape::Connectivity;
+use mser3d::spectral::Eigensolver;
+use mser3d::voxelize::{Diagnosis, Method, Morphology, Overlap, Pitch, diagnose};
+use mser3d::{Descriptor, Domain, Features, Parameters, Weight};
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+use crate::error::CliError;
+use crate::input::{Input, InputArgs};
+use crate::machine::peak_memory;
+use crate::progress::Meter;
+
+/// Version of the layout of `regions.json` and `features.npz`.
+pub const FORMAT: u32 = 1;
+
+/// The whole of `regions.json`, in the order it is written.
+#[derive(Serialize)]
+pub struct Report {
+    mser3d: &'static str,
+    format: u32,
+    input: InputReport,
+    domain: &'static str,
+    parameters: Value,
+    voxelization: Option<Value>,
+    spectrum: Value,
+    trees: Vec<Value>,
+    duplicates: usize,
+    warnings: Vec<String>,
+    regions: Vec<RegionReport>,
+    run: RunReport,
+}
+
+#[derive(Serialize)]
+struct InputReport {
+    path: String,
+    sha256: String,
+    bytes: u64,
+    format: String,
+    animation: Option<String>,
+    time: f64,
+    diagnosis: Option<DiagnosisReport>,
+}
+
+#[derive(Serialize)]
+struct RegionReport {
+    id: usize,
+    parent: Option<usize>,
+    tree: usize,
+    altitude: f64,
+    stability: Value,
+    volume: f64,
+    volume_fraction: f64,
+    voxels: Option<usize>,
+    vertices: usize,
+    centroid: [f64; 3],
+}
+
+/// What changes from run to run.
+#[derive(Serialize)]
+struct RunReport {
+    threads: usize,
+    seconds: f64,
+    peak_memory_bytes: Option<u64>,
+    stages: Vec<Value>,
+}
+
+/// A mesh's diagnosis, under the names of [`Diagnosis`].
+#[derive(Serialize)]
+pub struct DiagnosisReport(Map<String, Value>);
+
+impl DiagnosisReport {
+    pub fn new(d: &Diagnosis) -> Self {
+        let value = json!({
+            "vertices": d.vertices,
+            "unreferenced_vertices": d.unreferenced_vertices,
+            "triangles": d.triangles,
+            "edges": d.edges,
+            "closed": d.closed,
+            "closed_when_merged": d.closed_when_merged,
+            "boundary_edges": d.boundary_edges,
+            "boundary_loops": d.boundary_loops,
+            "non_manifold_edges": d.non_manifold_edges,
+            "inconsistent_edges": d.inconsistent_edges,
+            "flipped_triangles": d.flipped_triangles,
+            "one_sided_components": d.one_sided_components,
+            "components": d.components,
+            "inverted_bodies": d.inverted_bodies,
+            "degenerate_triangles": d.degenerate_triangles,
+            "duplicate_triangles": d.duplicate_triangles,
+            "signed_volume": d.signed_volume,
+            "volume": d.volume,
+            "area": d.area,
+            "bounding_box": d.bounding_box.map(|b| [b.min, b.max]),
+            "euler_characteristic": d.euler_characteristic,
+            "genus": d.genus,
+            "overlap_fraction": d.overlap_fraction,
+            "method": method_name(d.method),
+            "reason": d.reason.to_string(),
+        });
+        match value {
+            Value::Object(map) => Self(map),
+            _ => Self(Map::new()),
+        }
+    }
+}
+
+impl Report {
+    pub fn new(
+        input: &Input,
+        args: &InputArgs,
+        parameters: &Parameters,
+        features: &Features,
+        meter: &Meter,
+    ) -> Self {
+        let diagnosis = input.mesh().map(diagnose);
+        let loaded_notes = input.loaded().map(|l| l.notes.clone()).unwrap_or_default();
+        let solid_warnings =
+            features.voxelization.iter().flat_map(|v| v.warnings.iter().map(|w| w.to_string()));
+        Self {
+            mser3d: env!("CARGO_PKG_VERSION"),
+            format: FORMAT,
+            input: InputReport {
+                path: args.input.display().to_string(),
+                sha256: input.sha256.clone(),
+                bytes: input.bytes,
+                format: input.format(),
+                animation: args.animation.clone(),
+                time: args.time,
+                diagnosis: diagnosis.as_ref().map(DiagnosisReport::new),
+            },
+            domain: domain_name(features.body.domain()),
+            parameters: parameters_json(parameters),
+            voxelization: voxelization_json(features),
+            spectrum: json!({
+                "solver": features.spectrum.solver,
+                "iterations": features.spectrum.iterations,
+                "applications": features.spectrum.applications,
+                "largest_relative_residual": features.spectrum.residual,
+                "orthogonality": features.spectrum.orthogonality,
+                "zero_modes": features.spectrum.zero_modes,
+                "eigenpairs": features.basis.eigenvalues().len(),
+                "largest_eigenvalue": features.basis.eigenvalues().last(),
+            }),
+            trees: features.trees.iter().map(tree_json).collect(),
+            duplicates: features.duplicates,
+            warnings: loaded_notes.into_iter().chain(solid_warnings).collect(),
+            regions: regions(features),
+            run: RunReport {
+                threads: rayon::current_num_threads(),
+                seconds: features.times.iter().map(|t| t.seconds).sum(),
+                peak_memory_bytes: peak_memory(),
+                stages: features
+                    .times
+                    .iter()
+                    .map(|t| {
+                        json!({
+                            "stage": t.stage.name(),
+                            "seconds": t.seconds,
+                            "peak_memory_bytes": meter.peak_until(t.stage),
+                        })
+                    })
+                    .collect(),
+            },
+        }
+    }
+
+    pub fn to_json(&self) -> String {
+        let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
+        text.push('\n');
+        text
+    }
+
+    pub fn print(&self) -> Result<(), CliError> {
+        use std::io::Write;
+        std::io::stdout().lock().write_all(self.to_json().as_bytes()).map_err(CliError::Stdout)
+    }
+}
+
+fn regions(features: &Features) -> Vec<RegionReport> {
+    let voxels = features.body.grid().is_some();
+    let report = |(id, region): (usize, &mser3d::Region)| RegionReport {
+        id,
+        parent: region.parent,
+        tree: region.tree,
+        altitude: region.altitude,
+        stability: number(region.stability),
+        volume: region.volume,
+        volume_fraction: region.volume_fraction,
+        voxels: voxels.then_some(region.elements.len()),
+        vertices: region.vertices.len(),
+        centroid: region.centroid,
+    };
+    features.regions.iter().enumerate().map(report).collect()
+}
+
+fn tree_json(tree: &mser3d::Tree) -> Value {
+    let report = &tree.selection.report;
+    json!({
+        "time_scale": tree.time_scale.map(time_scale_json),
+        "time": tree.time,
+        "nodes": report.nodes,
+        "candidates": report.candidates,
+        "too_small": report.too_small,
+        "too_large": report.too_large,
+        "unstable": report.unstable,
+        "overlapping": report.overlapping,
+        "kept": report.kept,
+    })
+}
+
+fn voxelization_json(features: &Features) -> Option<Value> {
+    let v = features.voxelization.as_ref()?;
+    let frame = v.grid.frame();
+    Some(json!({
+        "method": method_name(v.method),
+        "reason": v.reason.to_string(),
+        "confidence": v.confidence,
+        "ambiguous_voxels": v.ambiguous_voxels,
+        "voxels": v.grid.len(),
+        "dims": frame.dims(),
+        "origin": frame.origin(),
+        "spacing": frame.spacing(),
+        "volume": v.grid.volume(),
+        "dropped_components": v.dropped_components,
+        "dropped_voxels": v.dropped_voxels,
+        "cut_links": v.cut_links,
+        "overlap_volume": v.overlap_volume,
+    }))
+}
+
+/// Every parameter used, also those that the command line has no option for.
+fn parameters_json(p: &Parameters) -> Value {
+    let (mode, window) = match p.stability.mode {
+        Mode::Windowed { window } => ("windowed", Some(window)),
+        Mode::Paper => ("paper", None),
+        Mode::Baseline => ("baseline", None),
+    };
+    json!({
+        "voxelize": {
+            "pitch": match p.voxelize.pitch {
+                Pitch::Voxels(n) => json!({"voxels": n}),
+                Pitch::Resolution(n) => json!({"resolution": n}),
+                Pitch::Size(h) => json!({"size": h}),
+            },
+            "method": method_name(p.voxelize.method),
+            "overlap": match p.voxelize.overlap {
+                Overlap::Auto => "auto",
+                Overlap::Part => "part",
+                Overlap::Join => "join",
+            },
+            "cut_links": p.voxelize.cut_links,
+            "connectivity": match p.voxelize.connectivity {
+                Connectivity::Six => 6,
+                Connectivity::TwentySix => 26,
+            },
+            "morphology": p.voxelize.morphology.map(|m| match m {
+                Morphology::Open => "open",
+                Morphology::Close => "close",
+            }),
+            "largest_only": p.voxelize.largest_only,
+        },
+        "spectrum": {
+            "eigenpairs": p.spectrum.eigenpairs,
+            "tolerance": p.spectrum.tolerance,
+            "solver": match p.spectrum.solver {
+                Eigensolver::ShiftInvert => "shift-invert",
+                Eigensolver::Filter => "filter",
+                _ => "auto",
+            },
+            "max_iterations": p.spectrum.max_iterations,
+        },
+        "weight": match p.weight {
+            Weight::Heat => "heat",
+            Weight::CommuteTime => "commute",
+            Weight::HeatEdge => "edge",
+        },
+        "polarity": match p.polarity.unwrap_or(p.weight.polarity()) {
+            Polarity::Sublevel => "sublevel",
+            Polarity::Superlevel => "superlevel",
+        },
+        "time_scales": p.time_scales.iter().copied().map(time_scale_json).collect::<Vec<_>>(),
+        "reference_measure": p.reference_measure,
+        "stability": {
+            "mode": mode,
+            "window": window,
+            "altitude": match p.stability.scale {
+                AltitudeScale::Log => "log",
+                AltitudeScale::Linear => "linear",
+            },
+            "min_volume_fraction": p.stability.min_volume_fraction,
+            "max_volume_fraction": p.stability.max_volume_fraction,
+            "min_diversity": p.stability.min_diversity,
+            "min_stability": p.stability.min_stability,
+        },
+        "pool": { "duplicate_overlap": p.pool.duplicate_overlap },
+        "descriptor": match &p.descriptor {
+            Descriptor::SiHks(d) => json!({
+                "kind": "si-hks",
+                "reference_volume": d.reference_volume,
+                "reference_area": d.reference_area,
+                "unit": d.unit,
+                "tau_start": d.tau_start,
+                "tau_end": d.tau_end,
+                "samples_per_octave": d.samples_per_octave,
+                "frequencies": d.frequencies,
+            }),
+            Descriptor::Hks(d) => json!({
+                "kind": "hks",
+                "times": d.times.iter().copied().map(time_scale_json).collect::<Vec<_>>(),
+            }),
+        },
+    })
+}
+
+fn time_scale_json(scale: TimeScale) -> Value {
+    match scale {
+        TimeScale::Relative(t) => json!({"relative": t}),
+        TimeScale::Absolute(t) => json!({"absolute": t}),
+    }
+}
+
+pub fn method_name(method: Method) -> &'static str {
+    match method {
+        Method::Auto => "auto",
+        Method::Parity => "parity",
+        Method::Vote => "vote",
+        Method::Winding => "winding",
+    }
+}
+
+fn domain_name(domain: Domain) -> &'static str {
+    match domain {
+        Domain::Volume => "volume",
+        Domain::Surface => "surface",
+    }
+}
+
+/// JSON has no infinity: "Infinity" for a region that does not change, null where none was measured.
+fn number(x: f64) -> Value {
+    if x.is_nan() {
+        Value::Null
+    } else if x.is_infinite() {
+        "Infinity".into()
+    } else {
+        x.into()
+    }
+}
