@@ -62,6 +62,9 @@ pub enum ViewerError {
         /// Its height in pixels.
         height: usize,
     },
+    /// A shape cannot be put together.
+    #[error(transparent)]
+    Shape(#[from] mser3d_shape::ShapeError),
     /// PNG data could not be written.
     #[error("cannot encode the picture as PNG: {0}")]
     Png(#[from] png::EncodingError),

@@ -54,3 +54,4 @@ pub use page::{PageData, PageMatch, PageRegion, PageShape, PageTree, page};
 pub use palette::{NO_REGION, PALETTE, linked_colours, region_colours, sequential, sequential_colours};
 pub use render::{Panel, RenderOptions, render};
 pub use rgb::Rgb;
+pub use section::voxel_surface;

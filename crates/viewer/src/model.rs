@@ -164,7 +164,7 @@ impl Model {
         }
         let mut model = Self::empty();
         model.add_polygons(&faces, colours);
-        let normals: Vec<Vec3> = faces.iter().flat_map(|f| vec![f.normal; f.corners.len()]).collect();
+        let normals: Vec<Vec3> = faces.iter().flat_map(|f| [f.normal; 4]).collect();
         model.openness = openness(&model.points, &model.triangles, &normals);
         Ok(model)
     }
@@ -232,14 +232,15 @@ impl Model {
     }
 
     /// Adds flat convex polygons in the open, each with the colour of its voxel.
-    fn add_polygons(&mut self, polygons: &[section::Face], colours: &[Rgb]) {
+    fn add_polygons<C: AsRef<[Vec3]>>(&mut self, polygons: &[section::Face<C>], colours: &[Rgb]) {
         let voxels: Vec<u32> = polygons.iter().map(|f| f.voxel).collect();
         for (face, paint) in polygons.iter().zip(self.intern(colours, &voxels)) {
+            let corners = face.corners.as_ref();
             let first = self.points.len() as u32;
-            self.points.extend(&face.corners);
-            self.paint.extend(std::iter::repeat_n(paint, face.corners.len()));
-            self.openness.extend(std::iter::repeat_n(1.0, face.corners.len()));
-            for i in 2..face.corners.len() as u32 {
+            self.points.extend(corners);
+            self.paint.extend(std::iter::repeat_n(paint, corners.len()));
+            self.openness.extend(std::iter::repeat_n(1.0, corners.len()));
+            for i in 2..corners.len() as u32 {
                 self.triangles.push([first, first + i - 1, first + i]);
                 self.normals.push([face.normal.map(|x| x as f32); 3]);
             }

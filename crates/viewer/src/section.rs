@@ -1,20 +1,23 @@
 //! What a solid shows: its voxels' faces from outside, and its inside where a plane cuts it.
 
+use std::collections::BTreeMap;
+
 use mser3d_shape::{TriangleMesh, VoxelGrid};
 
+use crate::ViewerError;
 use crate::model::Cut;
 use crate::vector::{Vec3, add, cross, dot, scale, sub, unit};
 
 /// A flat convex polygon that belongs to a voxel.
-pub(crate) struct Face {
+pub(crate) struct Face<Corners = Vec<Vec3>> {
     pub voxel: u32,
     pub normal: Vec3,
     /// Counter-clockwise around `normal`.
-    pub corners: Vec<Vec3>,
+    pub corners: Corners,
 }
 
 /// The faces between a voxel that is there and a place where none is.
-pub(crate) fn exposed_faces(grid: &VoxelGrid, cut: Option<&Cut>) -> Vec<Face> {
+pub(crate) fn exposed_faces(grid: &VoxelGrid, cut: Option<&Cut>) -> Vec<Face<[Vec3; 4]>> {
     let frame = grid.frame();
     let kept =
         |v: [u32; 3]| grid.occupancy().get(v) && cut.is_none_or(|cut| cut.beyond(frame.centre(v)) <= 0.0);
@@ -41,12 +44,49 @@ pub(crate) fn exposed_faces(grid: &VoxelGrid, cut: Option<&Cut>) -> Vec<Face> {
                 faces.push(Face {
                     voxel: number as u32,
                     normal: unit(half(axis, side)),
-                    corners: vec![corner(-1., -1.), corner(1., -1.), corner(1., 1.), corner(-1., 1.)],
+                    corners: [corner(-1., -1.), corner(1., -1.), corner(1., 1.), corner(-1., 1.)],
                 });
             }
         }
     }
     faces
+}
+
+/// The outer faces of a grid's voxels as a closed mesh that faces outwards, two triangles a face.
+/// Corners are shared wherever faces meet, so voxels that touch along an edge make it non-manifold.
+///
+/// # Errors
+/// [`ViewerError::Empty`] for an empty grid, [`ViewerError::Shape`] beyond 2^32 vertices.
+///
+/// ```
+/// use mser3d_shape::{BitGrid, Frame, VoxelGrid};
+/// let frame = Frame::new([3, 2, 1], [0.0; 3], [0.5; 3])?;
+/// let grid = VoxelGrid::solid(frame, BitGrid::full([3, 2, 1])?)?;
+/// let mesh = mser3d_viewer::voxel_surface(&grid)?;
+/// assert_eq!((mesh.vertices().len(), mesh.triangles().len()), (24, 44));
+/// assert_eq!(mesh.signed_volume(), grid.volume());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn voxel_surface(grid: &VoxelGrid) -> Result<TriangleMesh, ViewerError> {
+    if grid.is_empty() {
+        return Err(ViewerError::Empty { reason: "no voxel is occupied" });
+    }
+    let frame = grid.frame();
+    let mut numbers = BTreeMap::new();
+    let mut vertices = Vec::new();
+    let mut triangles = Vec::new();
+    for face in exposed_faces(grid, None) {
+        let corners = face.corners.map(|corner| {
+            let lattice = frame.locate(corner).map(|x| x.round() as i64);
+            *numbers.entry(lattice).or_insert_with(|| {
+                vertices.push(corner);
+                vertices.len() as u32 - 1
+            })
+        });
+        let [a, b, c, d] = corners;
+        triangles.extend([[a, b, c], [a, c, d]]);
+    }
+    Ok(TriangleMesh::new(vertices, triangles)?)
 }
 
 /// The polygons in which a plane cuts the voxels, seen from the side that is taken away.
@@ -168,9 +208,10 @@ mod tests {
         assert_eq!(filling.paint_at([-9.0, 0.0, 0.0]), 0);
     }
 
-    fn area(face: &Face) -> f64 {
-        let first = face.corners[0];
-        let pairs = face.corners[1..].windows(2);
+    fn area<C: AsRef<[Vec3]>>(face: &Face<C>) -> f64 {
+        let corners = face.corners.as_ref();
+        let first = corners[0];
+        let pairs = corners[1..].windows(2);
         pairs.map(|w| 0.5 * dot(face.normal, cross(sub(w[0], first), sub(w[1], first)))).sum()
     }
 
