@@ -3,7 +3,7 @@ use mser3d_shape::{Domain, Eigenbasis};
 
 /// An eigenvalue counts as zero when it is at most this, in units of `1 / Eigenbasis::unit_time`.
 ///
-/// Solvers return the zero eigenvalues as 1e-10 or less in these units; the smallest true one of a dumbbell
+/// Solvers return the zero eigenvalues as rounding noise, about 1e-11 in these units; the smallest true one of a dumbbell
 /// whose two halves touch in a single voxel of a million is about 1e-2, that of a rod a thousand times
 /// longer than thick about 1e-3.
 pub const ZERO_EIGENVALUE: f64 = 1e-8;

@@ -6,8 +6,8 @@ use rayon::prelude::*;
 ///
 /// `mass` holds the volume or area of each vertex, n values; a region lists its vertices, each once.
 /// `describe` computes descriptors of the vertices it is given, one a row. It is called once, with the
-/// vertices that lie in some region, ascending, so that those of nested regions are computed once and those of none
-/// not at all:
+/// vertices that lie in some region, ascending: those of nested regions are computed once, those of none
+/// not at all.
 ///
 /// ```
 /// use mser3d_descriptors::{SiHksParams, region_descriptors, si_hks};

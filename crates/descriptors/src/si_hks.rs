@@ -111,8 +111,8 @@ impl SiHksParams {
 /// `vertices` lists the vertices to compute, one a row; `None` means all.
 ///
 /// **Limits.** Invariance holds up to the ends of the sampled range of tau and the truncation of the
-/// spectrum (0.5 to 5 % for factors of 0.5 to 2, with 100 modes); scaling to the reference volume first takes even that
-/// away for copies of a whole shape. The number of eigenpairs changes the signature (by 18 % between 100 and
+/// spectrum (0.5 to 5 % for factors of 0.5 to 2, with 100 modes); scaling to the reference volume first takes even
+/// that away for copies of a whole shape. The number of eigenpairs changes the signature (by 18 % between 100 and
 /// 200): compare shapes with the same number only.
 ///
 /// **Cost.** For each vertex, two multiplications and additions for each pair of mode and sample with

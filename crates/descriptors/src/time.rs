@@ -7,7 +7,7 @@ pub enum TimeScale {
     /// In units of the shape: `t = t_rel V^(2/3)` for a volume V, `t = t_rel A` for a surface of area A.
     ///
     /// The same relative time means the same on a scaled copy, and sees the same detail on shapes of
-    /// different size. Heat has spread over a whole human body by `t_rel` of about 10.
+    /// different size.
     Relative(f64),
     /// In squared units of the input's coordinates.
     Absolute(f64),
