@@ -1,4 +1,4 @@
-use crate::{BitGrid, Bits, DisjointSets, Graph, ShapeError};
+use crate::{BitGrid, Bits, Graph, ShapeError};
 
 /// Where the voxels of a grid lie: voxel (i, j, k) has its centre at
 /// `origin + spacing * (i + 1/2, j + 1/2, k + 1/2)`.
@@ -128,7 +128,7 @@ impl VoxelGrid {
     }
 
     /// The same grid with the links along an axis cut at these voxels, and how many of them there were.
-    /// Diagonal links are unknown from then on if there were any.
+    /// Diagonal links are unknown from then on.
     pub fn with_cut_links(mut self, axis: usize, voxels: &[[u32; 3]]) -> (Self, usize) {
         let mut cut = 0;
         for &voxel in voxels {
@@ -137,9 +137,7 @@ impl VoxelGrid {
                 cut += 1;
             }
         }
-        if cut > 0 {
-            self.cut_diagonals = None;
-        }
+        self.cut_diagonals = None;
         (self, cut)
     }
 
@@ -274,27 +272,24 @@ impl VoxelGrid {
         })
     }
 
-    /// The component of each voxel under face links, and the number of voxels in each, numbered by
-    /// the first voxel.
-    pub fn components(&self) -> crate::Components {
-        let mut sets = DisjointSets::new(self.len);
+    /// The grid without some of its voxels and their links.
+    pub(crate) fn without(&self, dropped: &BitGrid) -> Self {
+        if self.cut_diagonals.as_ref().is_some_and(|cut| !cut.is_empty()) {
+            let gone: Vec<bool> = self.voxels().map(|v| dropped.get(v)).collect();
+            return self.restrict(|v| !gone[v as usize]);
+        }
+        let mut grid = self.clone();
+        for (word, gone) in grid.occupancy.words_mut().iter_mut().zip(dropped.words()) {
+            *word &= !gone;
+        }
         for axis in 0..3 {
-            for [u, v] in self.linked_pairs(axis) {
-                sets.union(u, v);
+            let allowed = inner_neighbours(&grid.occupancy, axis);
+            for (link, allowed) in grid.links[axis].words_mut().iter_mut().zip(allowed.words()) {
+                *link &= allowed;
             }
         }
-        let mut number = vec![u32::MAX; self.len];
-        let (mut labels, mut sizes) = (Vec::with_capacity(self.len), Vec::new());
-        for v in 0..self.len as u32 {
-            let root = sets.find(v) as usize;
-            if number[root] == u32::MAX {
-                number[root] = sizes.len() as u32;
-                sizes.push(0);
-            }
-            labels.push(number[root]);
-            sizes[number[root] as usize] += 1;
-        }
-        crate::Components { labels, sizes }
+        Self::unchecked(grid.frame, grid.occupancy, grid.links, grid.cut_diagonals)
+            .expect("fewer voxels than before")
     }
 
     /// The grid with only the voxels for which `keep` holds, and the links between them.

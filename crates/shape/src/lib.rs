@@ -29,6 +29,7 @@ mod graph;
 mod grid;
 mod mesh;
 mod nearest;
+mod runs;
 
 pub use bits::{BitGrid, Bits};
 pub use disjoint_sets::DisjointSets;

@@ -26,6 +26,8 @@ pub(crate) struct Analysis<'m> {
     /// The triangles read in this way, in the file's order.
     pub triangles: Cow<'m, [[u32; 3]]>,
     pub edges: Edges,
+    /// Vertices of the file.
+    vertices: usize,
 }
 
 impl<'m> Analysis<'m> {
@@ -88,6 +90,7 @@ impl<'m> Analysis<'m> {
             one_sided,
             triangles,
             edges,
+            vertices,
         }
     }
 
@@ -103,7 +106,21 @@ impl<'m> Analysis<'m> {
             one_sided: 0,
             triangles: Cow::Borrowed(mesh.triangles()),
             edges: Edges::new(0, &[], |_| true),
+            vertices: mesh.vertices().len(),
         }
+    }
+
+    /// V - E + F of a closed manifold surface.
+    pub fn euler_characteristic(&self) -> Option<i64> {
+        let counts = &self.counts;
+        if counts.total == 0 || counts.boundary > 0 || counts.non_manifold > 0 {
+            return None;
+        }
+        let mut used = vec![false; self.vertices];
+        self.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
+        let vertices = used.iter().filter(|u| **u).count();
+        let triangles = self.triangles.iter().filter(|[a, b, c]| a != b && b != c && c != a).count();
+        Some(vertices as i64 - counts.total as i64 + triangles as i64)
     }
 
     /// Which triangles form a body of their own: joined across edges with two sides, and, where

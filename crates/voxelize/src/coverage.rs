@@ -17,6 +17,7 @@ pub(crate) enum Rule {
 }
 
 /// The winding numbers at a point that moves along a grid line.
+#[derive(Clone)]
 pub(crate) struct State<'a> {
     surface: &'a Surface<'a>,
     rule: Rule,
@@ -88,7 +89,7 @@ impl<'a> State<'a> {
     /// The state at a point where holes matter: each open body's integer, less what its caps add.
     /// Also whether some winding number is too close to call.
     pub fn corrected(&self, field: &HoleField, point: [f64; 3]) -> (Self, bool) {
-        let mut state = Self { bodies: self.bodies.clone(), ..*self };
+        let mut state = self.clone();
         let mut unclear = false;
         let mut round = |winding: f64| {
             unclear |= [0.5, 1.5].iter().any(|level| (winding - level).abs() < UNCLEAR);

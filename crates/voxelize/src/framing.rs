@@ -61,7 +61,7 @@ fn counted_pitch(
     }
     const COARSE: usize = 48;
     let frame = around(surface, resolution_pitch(surface, COARSE)?).ok()?;
-    let solid = crate::voxelization::sweep(surface, &frame, rule, method, false).ok()?;
+    let solid = crate::voxelization::sweep(surface, &frame, rule, method).ok()?;
     pitch(solid.occupancy.count_ones() as f64 * (frame.spacing()[0] * surface.scale).powi(3))
 }
 

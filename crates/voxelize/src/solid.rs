@@ -20,14 +20,14 @@ pub(crate) struct Solid {
     pub cuts: [Vec<[u32; 3]>; 3],
 }
 
-/// What a scene needs to be swept.
+/// A surface on a lattice, ready to be swept.
 pub(crate) struct Scene<'a> {
     pub lattice: &'a Lattice,
     pub surface: &'a Surface<'a>,
-    pub placed: Vec<Placed>,
     pub rule: Rule,
     pub field: Option<HoleField>,
-    pub cut_links: bool,
+    placed: Vec<Placed>,
+    cut_links: bool,
 }
 
 #[derive(Default)]
@@ -38,14 +38,31 @@ struct Tally {
 }
 
 impl<'a> Scene<'a> {
+    pub fn new(surface: &'a Surface<'a>, lattice: &'a Lattice, rule: Rule, cut_links: bool) -> Self {
+        let field = HoleField::new(surface, lattice);
+        let placed = lattice.place(&surface.vertices);
+        Self { lattice, surface, rule, field, placed, cut_links }
+    }
+
     fn sweep(&self, axis: usize) -> Sweep<'_> {
         Sweep::new(self.lattice, &self.surface.vertices, &self.placed, &self.surface.triangles, axis)
     }
 
     /// Whether a crossing changes the integer winding number.
     #[inline]
-    fn counts(&self, crossing: Crossing) -> bool {
+    pub fn counts(&self, crossing: Crossing) -> bool {
         !self.surface.bodies[self.surface.body_of(crossing.triangle())].scattered
+    }
+
+    /// Whether a crossing is one with the surface, and not with the cap of a larger hole.
+    #[inline]
+    pub fn parts(&self, crossing: Crossing) -> bool {
+        crossing.triangle() < self.surface.patched
+    }
+
+    /// Whether any two crossings part neighbours: with one body, or with bodies that are not told apart.
+    pub fn any_two_part(&self) -> bool {
+        matches!(self.rule, Rule::Parity | Rule::Total { join: false })
     }
 
     /// Sweeps along x for the inside, and along all axes for cut links.
@@ -181,18 +198,20 @@ impl<'a> Scene<'a> {
     ) {
         let axes = sweep.axes();
         let last = self.lattice.dims[axes.d];
-        let is_surface = |c: &&Crossing| c.triangle() < self.surface.patched;
         let mut place = 0;
         for gap in crossings.chunk_by(|a, b| a.cell() == b.cell()) {
             let (cell, before) = (gap[0].cell(), place);
             place += gap.len();
-            if cell == 0 || cell >= last || gap.len() < 2 || gap.iter().filter(is_surface).count() < 2 {
+            if cell == 0
+                || cell >= last
+                || gap.len() < 2
+                || gap.iter().filter(|c| self.parts(**c)).count() < 2
+            {
                 continue;
             }
             let mut voxel = [0; 3];
             (voxel[axes.u], voxel[axes.v], voxel[axes.d]) = (u, v, cell - 1);
-            let any_two = matches!(self.rule, Rule::Parity | Rule::Total { join: false });
-            if any_two || self.leaves(sweep, voxel, &crossings[..before], gap, state) {
+            if self.any_two_part() || self.leaves(sweep, voxel, &crossings[..before], gap, state) {
                 cuts.push(voxel.map(|x| x as u32));
             }
         }
@@ -208,29 +227,33 @@ impl<'a> Scene<'a> {
         state: &mut State<'a>,
     ) -> bool {
         state.reset();
-        for &crossing in before.iter().filter(|c| self.counts(**c)) {
-            state.cross(crossing);
-        }
-        let corrected = match &self.field {
-            Some(field) if field.is_marked(voxel) => {
-                Some(state.corrected(field, self.lattice.centre(voxel)).0)
-            }
-            _ => None,
-        };
-        let mut state =
-            corrected.unwrap_or_else(|| std::mem::replace(state, State::new(self.surface, self.rule)));
+        before.iter().filter(|c| self.counts(**c)).for_each(|&c| state.cross(c));
         let axes = sweep.axes();
-        let mut ordered: Vec<(f64, Crossing)> = gap
-            .iter()
-            .filter(|c| c.triangle() < self.surface.patched)
-            .map(|&c| {
-                let depth = sweep.depth(c.triangle(), voxel[axes.u], voxel[axes.v]);
-                // Surfaces in contact part: at one depth, leaving comes first.
-                (depth + if c.entering() { CONTACT } else { 0.0 }, c)
-            })
-            .collect();
-        ordered.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        ordered[..ordered.len() - 1].iter().any(|&(_, crossing)| {
+        let depth = |c: Crossing| sweep.depth(c.triangle(), voxel[axes.u], voxel[axes.v]);
+        let passed: Vec<(f64, Crossing)> = gap.iter().map(|&c| (depth(c), c)).collect();
+        self.leaves_between(state, voxel, passed)
+    }
+
+    /// Whether a segment that starts at a voxel's centre is outside somewhere between these crossings, given
+    /// with their places along the segment in voxels.
+    pub fn leaves_between(
+        &self,
+        state: &State<'a>,
+        voxel: [usize; 3],
+        mut passed: Vec<(f64, Crossing)>,
+    ) -> bool {
+        passed.retain(|p| self.parts(p.1));
+        for (place, crossing) in &mut passed {
+            // Surfaces in contact part: at one place, leaving comes first.
+            *place += if crossing.entering() { CONTACT } else { 0.0 };
+        }
+        passed.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut state = match &self.field {
+            Some(field) if field.is_marked(voxel) => state.corrected(field, self.lattice.centre(voxel)).0,
+            _ => state.clone(),
+        };
+        passed.pop();
+        passed.iter().any(|&(_, crossing)| {
             state.cross(crossing);
             !state.inside()
         })

@@ -11,7 +11,7 @@ pub(crate) struct Crossing(u64);
 
 impl Crossing {
     #[inline]
-    fn new(cell: u32, triangle: u32, entering: bool) -> Self {
+    pub fn new(cell: u32, triangle: u32, entering: bool) -> Self {
         Self(u64::from(cell) << 32 | u64::from(triangle) << 1 | u64::from(entering))
     }
 

@@ -3,15 +3,14 @@ use crate::choice::{Reason, choose};
 use crate::coverage::Rule;
 use crate::error::VoxelizeError;
 use crate::framing;
-use crate::holes::HoleField;
+use crate::grid_topology::GridTopology;
 use crate::lattice::Lattice;
-use crate::links;
 use crate::parameters::{Method, Overlap, Pitch, VoxelizeParameters};
 use crate::solid::{Scene, Solid};
 use crate::surface::Surface;
 use crate::sweep::MAX_TRIANGLES;
 use crate::warning::Warning;
-use mser3d_shape::{BitGrid, Frame, TriangleMesh, VoxelGrid};
+use mser3d_shape::{BitGrid, Connectivity, Frame, TriangleMesh, VoxelGrid};
 
 /// A solid on a grid, and how it came about.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +35,8 @@ pub struct Voxelization {
     pub cut_links: usize,
     /// Volume that is covered more than once, in length^3.
     pub overlap_volume: f64,
+    /// Components, tunnels and cavities of `grid` under face links.
+    pub topology: GridTopology,
     /// What the user should know, in order of weight.
     pub warnings: Vec<Warning>,
 }
@@ -67,7 +68,9 @@ pub struct Voxelization {
 /// ```
 pub fn voxelize(mesh: &TriangleMesh, parameters: &VoxelizeParameters) -> Result<Voxelization, VoxelizeError> {
     let Prepared { analysis, surface, frame, rule, method, reason } = prepare(mesh, parameters)?;
-    let mut solid = sweep(&surface, &frame, rule, method, parameters.cut_links)?;
+    let lattice = Lattice::new(&frame, surface.scale, surface.reach);
+    let scene = Scene::new(&surface, &lattice, rule, parameters.cut_links);
+    let mut solid = solve(&scene, method)?;
     if let Some(morphology) = parameters.morphology {
         crate::morphology::apply(&mut solid.occupancy, morphology);
     }
@@ -75,10 +78,24 @@ pub fn voxelize(mesh: &TriangleMesh, parameters: &VoxelizeParameters) -> Result<
     if inside == 0 {
         return Err(framing::nothing_inside(mesh, &surface, &frame, parameters));
     }
-    let (linked, cut_links) = links::link(frame, solid.occupancy, &solid.cuts)?;
-    let linked = crate::diagonals::determine(linked, &surface, parameters)?;
-    let (grid, dropped_components, dropped_voxels) =
-        if parameters.largest_only { links::largest_component(linked) } else { (linked, 0, 0) };
+    let mut grid = VoxelGrid::solid(frame, solid.occupancy)?;
+    let mut cut_links = 0;
+    if parameters.cut_links {
+        for axis in 0..3 {
+            let (cut, count) = grid.with_cut_links(axis, &solid.cuts[axis]);
+            (grid, cut_links) = (cut, cut_links + count);
+        }
+        if parameters.connectivity == Connectivity::TwentySix {
+            let cut = scene.cut_diagonals(&grid);
+            grid = grid.with_cut_diagonals(cut)?;
+        }
+    }
+    let (grid, dropped_components, dropped_voxels) = match parameters.connectivity {
+        _ if !parameters.largest_only => (grid, 0, 0),
+        Connectivity::Six => grid.largest_component(),
+        Connectivity::TwentySix => largest_of_26(grid)?,
+    };
+    let topology = GridTopology::of(&grid);
     let overlap_volume = solid.doubled as f64 * frame.voxel_volume();
     let confidence = 1.0 - (solid.ambiguous as f64 / inside as f64).min(1.0);
     let mut voxelization = Voxelization {
@@ -91,6 +108,7 @@ pub fn voxelize(mesh: &TriangleMesh, parameters: &VoxelizeParameters) -> Result<
         dropped_voxels,
         cut_links,
         overlap_volume,
+        topology,
         warnings: Vec::new(),
     };
     voxelization.warnings = crate::warning::warnings(&analysis, &surface, &voxelization, inside);
@@ -109,7 +127,7 @@ pub fn inside(
     parameters: &VoxelizeParameters,
 ) -> Result<(Frame, BitGrid), VoxelizeError> {
     let Prepared { surface, frame, rule, method, .. } = prepare(mesh, parameters)?;
-    let mut occupancy = sweep(&surface, &frame, rule, method, false)?.occupancy;
+    let mut occupancy = sweep(&surface, &frame, rule, method)?.occupancy;
     if let Some(morphology) = parameters.morphology {
         crate::morphology::apply(&mut occupancy, morphology);
     }
@@ -161,24 +179,33 @@ fn prepare<'m>(
     Ok(Prepared { analysis, surface, frame, rule, method, reason })
 }
 
-/// The solid of a surface on a grid.
+/// The solid of a surface on a grid, without links.
 pub(crate) fn sweep(
     surface: &Surface,
     frame: &Frame,
     rule: Rule,
     method: Method,
-    cut_links: bool,
 ) -> Result<Solid, VoxelizeError> {
     let lattice = Lattice::new(frame, surface.scale, surface.reach);
-    let field = HoleField::new(surface, &lattice);
-    let placed = lattice.place(&surface.vertices);
-    let scene = Scene { lattice: &lattice, surface, placed, rule, field, cut_links };
+    solve(&Scene::new(surface, &lattice, rule, false), method)
+}
+
+fn solve(scene: &Scene, method: Method) -> Result<Solid, VoxelizeError> {
     let mut solid = scene.solid()?;
     if method == Method::Vote {
         let (y, z) = (scene.parity_along(1)?, scene.parity_along(2)?);
         (solid.occupancy, solid.ambiguous) = majority(&solid.occupancy, &y, &z);
     }
     Ok(solid)
+}
+
+/// The largest component under links to all 26 neighbours, and how many components and voxels were dropped.
+fn largest_of_26(grid: VoxelGrid) -> Result<(VoxelGrid, usize, usize), VoxelizeError> {
+    let parts = grid.graph(Connectivity::TwentySix)?.components();
+    let Some(largest) = parts.largest().filter(|_| parts.len() > 1) else { return Ok((grid, 0, 0)) };
+    let kept = grid.restrict(|v| parts.labels[v as usize] == largest);
+    let dropped = grid.len() - kept.len();
+    Ok((kept, parts.len() - 1, dropped))
 }
 
 /// The voxels set in at least two of three grids, and how many are not set alike in all three.
@@ -199,7 +226,7 @@ const COARSE: usize = 48;
 /// The part of a surface's solid that is covered more than once, on a coarse grid.
 pub(crate) fn coarse_overlap(surface: &Surface) -> Option<f64> {
     let frame = framing::around(surface, framing::resolution_pitch(surface, COARSE)?).ok()?;
-    let solid = sweep(surface, &frame, Rule::Total { join: true }, Method::Winding, false).ok()?;
+    let solid = sweep(surface, &frame, Rule::Total { join: true }, Method::Winding).ok()?;
     let inside = solid.occupancy.count_ones();
     (inside > 0).then(|| solid.doubled as f64 / inside as f64)
 }

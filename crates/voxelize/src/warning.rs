@@ -1,4 +1,5 @@
 use crate::analysis::Analysis;
+use crate::grid_topology::thin_voxels;
 use crate::surface::Surface;
 use crate::voxelization::Voxelization;
 use std::fmt;
@@ -55,6 +56,22 @@ pub enum Warning {
         /// How many.
         voxels: usize,
     },
+    /// The solid's topology is not that of the mesh: limbs fused, or parts lost.
+    Topology {
+        /// Euler characteristic of the solid.
+        solid: i64,
+        /// Euler characteristic of the mesh; that of a solid within is half of it.
+        mesh: i64,
+    },
+    /// Parts of the solid are thinner than two voxels.
+    Thin {
+        /// Voxels in no cube of 2 x 2 x 2 linked voxels.
+        voxels: usize,
+        /// The part of all voxels.
+        fraction: f64,
+        /// A finer pitch, in the mesh's units.
+        advice: f64,
+    },
     /// The grid does not reach around the mesh.
     Clipped,
 }
@@ -87,10 +104,25 @@ impl fmt::Display for Warning {
                 100.0 * fraction
             ),
             Self::Ambiguous { voxels } => write!(f, "{voxels} voxels could be called otherwise"),
+            Self::Topology { solid, mesh } => write!(
+                f,
+                "the solid's Euler characteristic is {solid}, half of the mesh's is {}: the pitch does not \
+                 resolve all of the shape",
+                *mesh as f64 / 2.0
+            ),
+            Self::Thin { voxels, fraction, advice } => write!(
+                f,
+                "{voxels} voxels ({:.2} %) lie in parts thinner than two voxels; a pitch of {advice:.4} would \
+                 resolve them better",
+                100.0 * fraction
+            ),
             Self::Clipped => f.write_str("the grid does not reach around the whole mesh"),
         }
     }
 }
+
+/// The part of thin voxels that is worth a warning.
+const THIN: f64 = 0.01;
 
 pub(crate) fn warnings(
     analysis: &Analysis,
@@ -135,6 +167,18 @@ pub(crate) fn warnings(
     }
     if result.ambiguous_voxels > 0 {
         list.push(Warning::Ambiguous { voxels: result.ambiguous_voxels });
+    }
+    let mesh = analysis.euler_characteristic();
+    if let Some(mesh) =
+        mesh.filter(|&mesh| surface.bodies.len() == 1 && mesh != 2 * result.topology.euler_characteristic)
+    {
+        list.push(Warning::Topology { solid: result.topology.euler_characteristic, mesh });
+    }
+    let voxels = thin_voxels(&result.grid);
+    let fraction = voxels as f64 / result.grid.len().max(1) as f64;
+    if fraction > THIN {
+        let finest = frame.spacing().into_iter().fold(f64::INFINITY, f64::min);
+        list.push(Warning::Thin { voxels, fraction, advice: finest / 2.0 });
     }
     list
 }
