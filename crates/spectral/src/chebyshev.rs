@@ -7,11 +7,7 @@ use mser3d_laplace::GridStencil;
 use mser3d_shape::VoxelGrid;
 use pulp::{Simd, WithSimd};
 
-/// Vectors filtered together: one 64-byte cache line of f64 per voxel.
-pub(crate) const LANES: usize = 8;
-
-/// One row of a block of vectors.
-pub(crate) type Lanes = [f64; LANES];
+use crate::tall::{LANES, Lanes};
 
 /// The stencil with its voxels reordered slice by slice along the solid's longest axis.
 ///
@@ -116,18 +112,17 @@ impl SlicedStencil {
         let previous = simd.splat_f64s(step.previous);
         // A row is one vector with AVX-512, two with AVX2, eight numbers without SIMD.
         let width = LANES / S::F64_LANES;
-        let (x, _) = S::as_simd_f64s(x.as_flattened());
-        let (y, _) = S::as_mut_simd_f64s(y.as_flattened_mut());
-        let targets = y[rows.start * width..rows.end * width].chunks_exact_mut(width);
-        let centres = x[rows.start * width..rows.end * width].chunks_exact(width);
-        for ((around, centre), targets) in self.neighbours[rows].iter().zip(centres).zip(targets) {
+        let centres = x[rows.clone()].iter().zip(&mut y[rows.clone()]);
+        for (around, (centre, target)) in self.neighbours[rows].iter().zip(centres) {
+            let lanes = around.map(|u| S::as_simd_f64s(&x[u as usize].0).0);
+            let (centre, target) = (S::as_simd_f64s(&centre.0).0, S::as_mut_simd_f64s(&mut target.0).0);
             for part in 0..width {
-                let at = |slot: usize| x[around[slot] as usize * width + part];
+                let at = |slot: usize| lanes[slot][part];
                 let sum = simd.mul_f64s(diagonal, centre[part]);
                 let sum = simd.mul_add_f64s(wx, simd.add_f64s(at(2), at(3)), sum);
                 let sum = simd.mul_add_f64s(wy, simd.add_f64s(at(1), at(4)), sum);
                 let sum = simd.mul_add_f64s(wz, simd.add_f64s(at(0), at(5)), sum);
-                targets[part] = simd.mul_add_f64s(previous, targets[part], sum);
+                target[part] = simd.mul_add_f64s(previous, target[part], sum);
             }
         }
     }
@@ -226,10 +221,11 @@ mod tests {
         let angle = |l: usize| std::f64::consts::PI * (l + 1) as f64 / 23.0;
         let lambda = |l: usize| (2.0 - 2.0 * angle(l).cos()) / 0.25;
         let value = |v: u32, l: usize| ((f64::from(voxels[v as usize][0]) + 0.5) * angle(l)).cos();
-        let start: Vec<Lanes> = stencil.order.iter().map(|&v| std::array::from_fn(|l| value(v, l))).collect();
+        let start: Vec<Lanes> =
+            stencil.order.iter().map(|&v| Lanes(std::array::from_fn(|l| value(v, l)))).collect();
         for degree in [2, 7, 40] {
             let p = Polynomial { degree, target: lambda(0), cutoff: 6.0 };
-            let (mut x, mut work) = (start.clone(), vec![[1e3; LANES]; start.len()]);
+            let (mut x, mut work) = (start.clone(), vec![Lanes([1e3; LANES]); start.len()]);
             stencil.filter(p, &mut x, &mut work, &AtomicBool::new(false));
             let (e, c) = ((48.0 - 6.0) / 2.0, 27.0);
             let chebyshev = |t: f64| -> f64 {
@@ -243,7 +239,10 @@ mod tests {
             for l in 0..LANES {
                 let factor = chebyshev((lambda(l) - c) / e) / chebyshev((lambda(0) - c) / e);
                 for row in (0..x.len()).step_by(97) {
-                    assert!((x[row][l] - factor * start[row][l]).abs() < 1e-11, "degree {degree} lane {l}");
+                    assert!(
+                        (x[row].0[l] - factor * start[row].0[l]).abs() < 1e-11,
+                        "degree {degree} lane {l}"
+                    );
                 }
             }
         }

@@ -15,10 +15,10 @@ use mser3d_laplace::aggregate_grid;
 use mser3d_shape::VoxelGrid;
 use rayon::prelude::*;
 
-use crate::chebyshev::{LANES, Lanes, Polynomial, SlicedStencil};
+use crate::chebyshev::{Polynomial, SlicedStencil};
 use crate::solve::coarse_eigenpairs;
 use crate::standard::NullSpace;
-use crate::tall::{Noise, Tall, small_eigen};
+use crate::tall::{LANES, Lanes, Noise, Tall, orthonormal_combinations, small_eigen};
 use crate::{SpectralError, SpectrumParameters};
 
 /// Columns of noise beside the coarse vectors: they catch what the coarse grid cannot see.
@@ -27,6 +27,8 @@ const NOISE: usize = LANES;
 const COARSE_ROWS: usize = 30;
 /// Largest growth, as a logarithm, of unwanted low modes in a pass: beyond e^16 they hide the others.
 const GROWTH: f64 = 6.0;
+/// Blocks of images A V held at a time.
+const IMAGES: usize = 4;
 
 /// Converged eigenpairs of the standard problem without its null space.
 pub(crate) struct Filtered {
@@ -134,7 +136,7 @@ struct Iteration {
 
 impl Iteration {
     fn columns(&self) -> usize {
-        self.subspace.stride()
+        self.subspace.columns()
     }
 
     /// Fills the subspace from the coarse operator, constant on its cells, and noise. Returns the
@@ -146,12 +148,14 @@ impl Iteration {
         let available = coarse.operator.len().saturating_sub(zeros).min(from_coarse);
         let (values, vectors) = coarse_eigenpairs(&coarse.operator, available)?;
         let columns = self.columns();
-        for (row, target) in self.subspace.data_mut().chunks_mut(columns).enumerate() {
-            let cell = coarse.aggregate[self.stencil.order[row] as usize] as usize;
-            let (smooth, rough) = target.split_at_mut(available);
-            smooth.copy_from_slice(&vectors[cell * available..][..available]);
-            rough.iter_mut().for_each(|x| *x = self.noise.next());
-        }
+        let (order, noise) = (&self.stencil.order, &mut self.noise);
+        self.subspace.fill(|row, column| {
+            if column < available {
+                vectors[coarse.aggregate[order[row] as usize] as usize * available + column]
+            } else {
+                noise.next()
+            }
+        });
         self.null_space.project_out(&mut self.subspace);
         let cutoff = values.last().copied().unwrap_or(0.25 * self.stencil.bound());
         self.values = values;
@@ -174,36 +178,28 @@ impl Iteration {
             let missing = (self.residuals[column] / (0.1 * tolerance)).max(10.0).ln();
             (missing / rate(self.values[column]).max(1e-12)).min(limit).ceil() as usize
         };
-        let blocks: Vec<Range<usize>> = (self.locked..self.columns())
-            .step_by(LANES)
-            .map(|from| from..(from + LANES).min(self.columns()))
-            .collect();
-        let polynomials: Vec<Polynomial> = blocks
-            .iter()
-            .map(|b| Polynomial {
-                degree: degree(b.end - 1),
-                target: self.values[b.start].min(0.9 * cutoff),
-                cutoff,
-            })
-            .collect();
-        self.applications += blocks
-            .iter()
-            .zip(&polynomials)
-            .map(|(b, p)| b.len() * p.degree.next_multiple_of(2))
-            .sum::<usize>();
-        let threads = rayon::current_num_threads();
-        let n = self.stencil.len();
-        let mut buffers = vec![(vec![[0.0; LANES]; n], vec![[0.0; LANES]; n]); threads.min(blocks.len())];
+        // Blocks that hold a free column; locked columns among them are filtered too and put back.
+        let first = self.locked / LANES;
+        let blocks: Vec<usize> = (first..self.subspace.blocks().len()).collect();
+        let polynomial = |&block: &usize| {
+            let last = ((block + 1) * LANES).min(self.columns()) - 1;
+            let target = self.values[(block * LANES).max(self.locked)].min(0.9 * cutoff);
+            Polynomial { degree: degree(last), target, cutoff }
+        };
+        let polynomials: Vec<Polynomial> = blocks.iter().map(polynomial).collect();
+        self.applications += polynomials.iter().map(|p| LANES * p.degree.next_multiple_of(2)).sum::<usize>();
+        let kept = self.subspace.blocks()[first].clone();
+        let threads = rayon::current_num_threads().min(blocks.len());
+        let mut buffers = vec![vec![Lanes([0.0; LANES]); self.stencil.len()]; threads];
         for (blocks, polynomials) in blocks.chunks(threads).zip(polynomials.chunks(threads)) {
-            let (subspace, stencil) = (&self.subspace, &self.stencil);
-            let tasks = buffers.par_iter_mut().zip(blocks).zip(polynomials);
-            tasks.for_each(|(((x, work), columns), polynomial)| {
-                gather(subspace, columns, x);
-                stencil.filter(*polynomial, x, work, cancelled);
-            });
-            for ((x, _), columns) in buffers.iter().zip(blocks) {
-                scatter(x, columns, &mut self.subspace);
-            }
+            let stencil = &self.stencil;
+            let free = &mut self.subspace.blocks_mut()[blocks[0]..];
+            let tasks = free.par_iter_mut().zip(&mut buffers).zip(polynomials);
+            tasks.for_each(|((x, work), polynomial)| stencil.filter(*polynomial, x, work, cancelled));
+        }
+        let lanes = self.locked % LANES;
+        for (row, old) in self.subspace.blocks_mut()[first].iter_mut().zip(&kept) {
+            row.0[..lanes].copy_from_slice(&old.0[..lanes]);
         }
     }
 
@@ -219,7 +215,8 @@ impl Iteration {
                 }
             }
             let gram = self.subspace.self_gram(locked..columns);
-            let (basis, condition) = orthonormal_combinations(&gram)?;
+            let (basis, condition) =
+                orthonormal_combinations(&gram).ok_or(SpectralError::DenseEigenproblem)?;
             let energy = self.energy(locked..columns);
             let reduced = basis.transpose() * &energy * &basis;
             let (values, rotation) = small_eigen(&reduced).ok_or(SpectralError::DenseEigenproblem)?;
@@ -241,101 +238,61 @@ impl Iteration {
     /// New noise in the columns from `from` on, in place of vectors that depended on the others.
     fn refill(&mut self, from: usize) {
         let columns = self.columns();
-        for row in self.subspace.data_mut().chunks_mut(columns) {
-            row[from..].iter_mut().for_each(|x| *x = self.noise.next());
-        }
+        self.subspace.fill_noise(from..columns, &mut self.noise);
         self.null_space.project_out(&mut self.subspace);
     }
 
     /// `V^T A V` over some columns, symmetric.
     fn energy(&mut self, columns: Range<usize>) -> Mat<f64> {
         let mut energy = Mat::<f64>::zeros(columns.len(), columns.len());
-        let width = 4 * LANES;
-        let mut images = Tall::zeros(self.stencil.len(), width);
-        for from in columns.clone().step_by(width) {
-            let block = from..(from + width).min(columns.end);
-            self.images(block.clone(), &mut images);
-            let part = self.subspace.gram(block.start..columns.end, &images, 0..block.len());
-            for j in 0..block.len() {
-                let column = from - columns.start + j;
+        let mut images = Tall::zeros(self.stencil.len(), IMAGES * LANES);
+        for from in (columns.start / LANES * LANES..columns.end).step_by(IMAGES * LANES) {
+            self.images(from, &mut images);
+            let block = from.max(columns.start)..(from + IMAGES * LANES).min(columns.end);
+            let part =
+                self.subspace.gram(block.start..columns.end, &images, block.start - from..block.end - from);
+            let offset = block.start - columns.start;
+            for j in 0..part.ncols() {
                 for i in j..part.nrows() {
-                    let row = from - columns.start + i;
-                    energy[(row, column)] = part[(i, j)];
-                    energy[(column, row)] = part[(i, j)];
+                    energy[(offset + i, offset + j)] = part[(i, j)];
+                    energy[(offset + j, offset + i)] = part[(i, j)];
                 }
             }
         }
         energy
     }
 
-    /// `A V` of some columns.
-    fn images(&mut self, columns: Range<usize>, images: &mut Tall) {
-        let blocks: Vec<Range<usize>> =
-            columns.clone().step_by(LANES).map(|from| from..(from + LANES).min(columns.end)).collect();
-        self.applications += columns.len();
-        let results: Vec<Vec<Lanes>> = blocks
-            .par_iter()
-            .map(|block| {
-                let mut x = vec![[0.0; LANES]; self.stencil.len()];
-                let mut y = x.clone();
-                gather(&self.subspace, block, &mut x);
-                self.stencil.apply(&x, &mut y);
-                y
-            })
-            .collect();
-        for (block, y) in blocks.iter().zip(&results) {
-            scatter(y, &(block.start - columns.start..block.end - columns.start), images);
-        }
+    /// `A V` of the blocks from column `from` on, as many as `images` holds.
+    fn images(&mut self, from: usize, images: &mut Tall) {
+        let blocks = &self.subspace.blocks()[from / LANES..];
+        let tasks = images.blocks_mut().par_iter_mut().zip(blocks);
+        tasks.for_each(|(y, x)| self.stencil.apply(x, y));
+        self.applications += LANES * blocks.len().min(IMAGES);
     }
 
     /// Measures the residuals of the free columns and locks the leading ones below the tolerance.
     fn lock(&mut self, tolerance: f64) {
-        let width = 4 * LANES;
-        let mut images = Tall::zeros(self.stencil.len(), width);
-        for from in (self.locked..self.columns()).step_by(width) {
-            let block = from..(from + width).min(self.columns());
-            self.images(block.clone(), &mut images);
-            let (values, subspace) = (&self.values, &self.subspace);
-            images.data_mut().par_chunks_mut(width).enumerate().for_each(|(row, image)| {
-                for (j, x) in subspace.row(row)[block.clone()].iter().enumerate() {
-                    image[j] -= values[from + j] * x;
+        let mut images = Tall::zeros(self.stencil.len(), IMAGES * LANES);
+        for from in (self.locked / LANES * LANES..self.columns()).step_by(IMAGES * LANES) {
+            self.images(from, &mut images);
+            let (values, blocks) = (&self.values, &self.subspace.blocks()[from / LANES..]);
+            let tasks = images.blocks_mut().par_iter_mut().zip(blocks).enumerate();
+            tasks.for_each(|(b, (image, block))| {
+                let theta: [f64; LANES] =
+                    std::array::from_fn(|l| values.get(from + b * LANES + l).copied().unwrap_or(0.0));
+                for (y, x) in image.iter_mut().zip(block) {
+                    (0..LANES).for_each(|l| y.0[l] -= theta[l] * x.0[l]);
                 }
             });
             let norms = images.column_norms();
-            for (j, column) in block.enumerate() {
-                self.residuals[column] = norms[j] / self.values[column].max(f64::MIN_POSITIVE);
+            let block = from.max(self.locked)..(from + IMAGES * LANES).min(self.columns());
+            for column in block {
+                let theta = self.values[column].max(f64::MIN_POSITIVE);
+                self.residuals[column] = norms[column - from] / theta;
             }
         }
         while self.locked < self.columns() && self.residuals[self.locked] <= tolerance {
             self.locked += 1;
         }
-    }
-}
-
-/// Combinations of vectors with this Gram matrix (lower triangle) that are orthonormal, and the
-/// condition of the scaled Gram matrix. Directions that are dependent to rounding are left out.
-fn orthonormal_combinations(gram: &Mat<f64>) -> Result<(Mat<f64>, f64), SpectralError> {
-    let m = gram.nrows();
-    let scale: Vec<f64> = (0..m).map(|i| 1.0 / gram[(i, i)].sqrt().max(f64::MIN_POSITIVE)).collect();
-    let scaled = Mat::from_fn(m, m, |i, j| gram[(i.max(j), i.min(j))] * scale[i] * scale[j]);
-    let (values, vectors) = small_eigen(&scaled).ok_or(SpectralError::DenseEigenproblem)?;
-    let largest = values.last().copied().unwrap_or(1.0);
-    let first = values.iter().position(|&v| v > 1e-13 * largest).unwrap_or(0);
-    let basis =
-        Mat::from_fn(m, m - first, |i, j| scale[i] * vectors[(i, first + j)] / values[first + j].sqrt());
-    Ok((basis, largest / values[first]))
-}
-
-fn gather(subspace: &Tall, columns: &Range<usize>, x: &mut [Lanes]) {
-    for (row, lanes) in x.iter_mut().enumerate() {
-        lanes[..columns.len()].copy_from_slice(&subspace.row(row)[columns.clone()]);
-        lanes[columns.len()..].fill(0.0);
-    }
-}
-
-fn scatter(x: &[Lanes], columns: &Range<usize>, subspace: &mut Tall) {
-    let stride = subspace.stride();
-    for (lanes, row) in x.iter().zip(subspace.data_mut().chunks_mut(stride)) {
-        row[columns.clone()].copy_from_slice(&lanes[..columns.len()]);
     }
 }

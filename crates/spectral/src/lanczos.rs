@@ -9,7 +9,7 @@ use faer::Mat;
 
 use crate::SpectralError;
 use crate::standard::NullSpace;
-use crate::tall::{Noise, Tall, small_eigen};
+use crate::tall::{LANES, Noise, Tall, orthonormal_combinations, small_eigen};
 
 /// What the iteration needs to know.
 pub(crate) struct Lanczos<'a> {
@@ -17,7 +17,7 @@ pub(crate) struct Lanczos<'a> {
     pub rows: usize,
     /// Eigenpairs wanted.
     pub wanted: usize,
-    /// Columns of a block.
+    /// Columns of a block of the iteration, a multiple of [`LANES`].
     pub block: usize,
     /// Most columns of the basis.
     pub capacity: usize,
@@ -37,10 +37,10 @@ pub(crate) struct RitzPairs {
 
 impl Lanczos<'_> {
     /// Runs until the first `wanted` pairs satisfy `accept(value, residual)`, or the restarts are used
-    /// up. `apply(x, y)` sets y to the operator times x. `progress(converged)` returns false to cancel.
+    /// up. `apply(x)` replaces x by the operator times x. `progress(converged)` returns false to cancel.
     pub fn run(
         &self,
-        mut apply: impl FnMut(&Tall, &mut Tall),
+        mut apply: impl FnMut(&mut Tall),
         accept: impl Fn(f64, f64) -> bool,
         mut progress: impl FnMut(usize) -> bool,
     ) -> Result<RitzPairs, SpectralError> {
@@ -49,18 +49,17 @@ impl Lanczos<'_> {
         let mut projected = Mat::<f64>::zeros(self.capacity + b, self.capacity + b);
         let mut noise = Noise(0x6d73_6572_3364);
         let mut block = Tall::zeros(n, b);
-        block.data_mut().iter_mut().for_each(|x| *x = noise.next());
+        block.fill_noise(0..b, &mut noise);
         self.null_space.project_out(&mut block);
-        orthonormalize(&mut block, &basis, 0, self.null_space, &mut noise);
-        basis.set_columns(0, &block, b);
+        orthonormalize(&mut block, &basis, 0, self.null_space, &mut noise)?;
+        set_blocks(&mut basis, 0, block);
 
         let (mut filled, mut applications) = (0, 0); // columns whose image is known
         for restarts in 0.. {
             let mut coupling = Mat::zeros(b, b);
             while filled + b <= self.capacity {
-                basis.get_columns(filled, b, &mut block);
-                let mut image = Tall::zeros(n, b);
-                apply(&block, &mut image);
+                let mut image = get_blocks(&basis, filled, b);
+                apply(&mut image);
                 applications += b;
                 self.null_space.project_out(&mut image);
                 let known = filled + b;
@@ -73,8 +72,8 @@ impl Lanczos<'_> {
                         }
                     }
                 }
-                coupling = orthonormalize(&mut image, &basis, known, self.null_space, &mut noise);
-                basis.set_columns(known, &image, b);
+                coupling = orthonormalize(&mut image, &basis, known, self.null_space, &mut noise)?;
+                set_blocks(&mut basis, known, image);
                 filled = known;
                 if !progress(0) {
                     return Err(SpectralError::Cancelled);
@@ -112,9 +111,8 @@ impl Lanczos<'_> {
             if last {
                 return Ok(RitzPairs { values, vectors: basis, restarts, applications });
             }
-            let mut next = Tall::zeros(n, b);
-            basis.get_columns(filled, b, &mut next);
-            basis.set_columns(keep, &next, b);
+            let next = get_blocks(&basis, filled, b);
+            set_blocks(&mut basis, keep, next);
             projected.fill(0.0);
             for (i, &value) in values.iter().enumerate() {
                 projected[(i, i)] = value;
@@ -125,8 +123,21 @@ impl Lanczos<'_> {
     }
 }
 
+fn get_blocks(basis: &Tall, from: usize, count: usize) -> Tall {
+    let mut block = Tall::zeros(basis.rows(), count);
+    let blocks = &basis.blocks()[from / LANES..];
+    block.blocks_mut().iter_mut().zip(blocks).for_each(|(target, source)| target.clone_from(source));
+    block
+}
+
+fn set_blocks(basis: &mut Tall, to: usize, mut block: Tall) {
+    for b in 0..block.blocks().len() {
+        basis.put(to / LANES + b, block.take(b));
+    }
+}
+
 /// Makes the columns of `block` orthonormal, and orthogonal to the first `known` columns of `basis`
-/// as they were before. A column that depends on the others is replaced by noise. Returns R of
+/// as they were before. Directions that depend on the others are replaced by noise. Returns R of
 /// `block = Q R`; R is zero in the rows of replaced columns.
 fn orthonormalize(
     block: &mut Tall,
@@ -134,41 +145,28 @@ fn orthonormalize(
     known: usize,
     null_space: &NullSpace,
     noise: &mut Noise,
-) -> Mat<f64> {
-    let b = block.stride();
-    let mut r = Mat::<f64>::zeros(b, b);
-    let scale = block.column_norms().iter().copied().fold(0.0, f64::max);
-    let mut q = Tall::zeros(block.rows(), b);
-    let mut column = Tall::zeros(block.rows(), 1);
-    for j in 0..b {
-        block.get_columns(j, 1, &mut column);
-        let mut fresh = false;
-        loop {
+) -> Result<Mat<f64>, SpectralError> {
+    let b = block.columns();
+    let mut r = Mat::<f64>::identity(b, b);
+    // Two rounds: the second mends what the condition of the first lost.
+    for _ in 0..2 {
+        let gram = block.self_gram(0..b);
+        let (combination, _) = orthonormal_combinations(&gram).ok_or(SpectralError::DenseEigenproblem)?;
+        let found = combination.ncols();
+        // Q = X C, so Q^T X = C^T (X^T X).
+        let gram = Mat::from_fn(b, b, |i, j| gram[(i.max(j), i.min(j))]);
+        let mut step = Mat::<f64>::zeros(b, b);
+        step.subrows_mut(0, found).copy_from(combination.transpose() * &gram);
+        r = &step * &r;
+        block.rotate(0..b, combination.as_ref(), 0);
+        if found < b {
+            block.fill_noise(found..b, noise);
+            null_space.project_out(block);
             for _ in 0..2 {
-                let overlaps = q.gram(0..j, &column, 0..1);
-                column.subtract(&q, 0..j, overlaps.as_ref());
-                if !fresh {
-                    (0..j).for_each(|i| r[(i, j)] += overlaps[(i, 0)]);
-                }
-            }
-            let norm = column.column_norms()[0];
-            if norm > 1e-13 * scale && norm > 0.0 {
-                column.data_mut().iter_mut().for_each(|x| *x /= norm);
-                if !fresh {
-                    r[(j, j)] = norm;
-                }
-                break;
-            }
-            fresh = true;
-            column.data_mut().iter_mut().for_each(|x| *x = noise.next());
-            null_space.project_out(&mut column);
-            for _ in 0..2 {
-                let overlaps = basis.gram(0..known, &column, 0..1);
-                column.subtract(basis, 0..known, overlaps.as_ref());
+                let overlaps = basis.gram(0..known, block, 0..b);
+                block.subtract(basis, 0..known, overlaps.as_ref());
             }
         }
-        q.set_columns(j, &column, 1);
     }
-    *block = q;
-    r
+    Ok(r)
 }

@@ -10,10 +10,7 @@ use rayon::prelude::*;
 
 use crate::SpectralError;
 use crate::standard::StandardProblem;
-use crate::tall::Tall;
-
-/// Right-hand sides solved together. Fixed, because a kernel for another width rounds differently.
-pub(crate) const SOLVE_WIDTH: usize = 8;
+use crate::tall::{LANES, Tall};
 
 /// The factor of `A + sigma I`.
 pub(crate) struct Inverse {
@@ -54,32 +51,25 @@ impl Inverse {
         Ok(Self { symbolic, factor })
     }
 
-    /// `y = (A + sigma I)^(-1) x`; the number of columns is a multiple of [`SOLVE_WIDTH`].
-    pub fn apply(&self, x: &Tall, y: &mut Tall) {
-        let (n, width) = (x.rows(), x.stride());
-        let solved: Vec<Vec<f64>> = (0..width / SOLVE_WIDTH)
-            .into_par_iter()
-            .map(|part| {
-                let mut columns = vec![0.0; n * SOLVE_WIDTH];
-                for row in 0..n {
-                    for j in 0..SOLVE_WIDTH {
-                        columns[j * n + row] = x.row(row)[part * SOLVE_WIDTH + j];
-                    }
-                }
-                let scratch = self.symbolic.solve_in_place_scratch::<f64>(SOLVE_WIDTH, Par::Seq);
-                let mut memory = MemBuffer::new(scratch);
-                LltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
-                    Conj::No,
-                    MatMut::from_column_major_slice_mut(&mut columns, n, SOLVE_WIDTH),
-                    Par::Seq,
-                    MemStack::new(&mut memory),
-                );
-                columns
-            })
-            .collect();
-        y.data_mut().par_chunks_mut(width).enumerate().for_each(|(row, target)| {
-            for (j, t) in target.iter_mut().enumerate() {
-                *t = solved[j / SOLVE_WIDTH][j % SOLVE_WIDTH * n + row];
+    /// `x = (A + sigma I)^(-1) x`, block by block: a kernel for another number of columns would round
+    /// differently.
+    pub fn apply(&self, x: &mut Tall) {
+        let n = x.rows();
+        x.blocks_mut().par_iter_mut().for_each(|block| {
+            let mut columns = vec![0.0; n * LANES];
+            for (row, lanes) in block.iter().enumerate() {
+                (0..LANES).for_each(|j| columns[j * n + row] = lanes.0[j]);
+            }
+            let scratch = self.symbolic.solve_in_place_scratch::<f64>(LANES, Par::Seq);
+            let mut memory = MemBuffer::new(scratch);
+            LltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
+                Conj::No,
+                MatMut::from_column_major_slice_mut(&mut columns, n, LANES),
+                Par::Seq,
+                MemStack::new(&mut memory),
+            );
+            for (row, lanes) in block.iter_mut().enumerate() {
+                (0..LANES).for_each(|j| lanes.0[j] = columns[j * n + row]);
             }
         });
     }

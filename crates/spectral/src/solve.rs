@@ -4,13 +4,13 @@ use std::ops::ControlFlow;
 
 use mser3d_laplace::{Operator, grid_laplacian};
 use mser3d_shape::{Domain, Eigenbasis, VoxelGrid};
+use rayon::prelude::*;
 
-use crate::chebyshev::LANES;
 use crate::filter::{coarse_factor, filtered_eigenpairs, subspace_size};
 use crate::lanczos::{Lanczos, RitzPairs};
-use crate::shift_invert::{Inverse, SOLVE_WIDTH};
+use crate::shift_invert::Inverse;
 use crate::standard::{StandardProblem, dense_eigenpairs};
-use crate::tall::Tall;
+use crate::tall::{LANES, Tall};
 use crate::{Eigensolver, SpectralError, Spectrum, SpectrumParameters, SpectrumReport};
 
 /// Rows below which a dense solver is faster than any iteration.
@@ -100,8 +100,8 @@ pub fn smallest_eigenpairs_of_grid(
         if let Some(constant) = target[..zero_modes].get_mut(found.null_space.label(row)) {
             *constant = found.null_space.constant(row);
         }
-        for (t, x) in target[zero_modes..].iter_mut().zip(found.vectors.row(row)) {
-            *t = x * scale;
+        for (i, t) in target[zero_modes..].iter_mut().enumerate() {
+            *t = found.vectors.at(row, i) * scale;
         }
     }
     let values = std::iter::repeat_n(0.0, zero_modes).chain(found.values[..wanted].iter().copied());
@@ -126,13 +126,13 @@ pub(crate) fn coarse_eigenpairs(
     };
     let mut functions = Vec::with_capacity(problem.len() * wanted);
     for row in 0..problem.len() {
-        functions.extend(vectors.row(row)[..wanted].iter().map(|x| x / problem.root_mass[row]));
+        functions.extend((0..wanted).map(|i| vectors.at(row, i) / problem.root_mass[row]));
     }
     Ok((values[..wanted].to_vec(), functions))
 }
 
-/// Columns of a Lanczos block: two solves of [`SOLVE_WIDTH`].
-const BLOCK: usize = 2 * SOLVE_WIDTH;
+/// Columns of a Lanczos block.
+const BLOCK: usize = 2 * LANES;
 
 /// Weyl: about 2.5 k columns find k pairs without a restart; small k needs some more.
 fn lanczos_capacity(problem: &StandardProblem, wanted: usize) -> usize {
@@ -163,7 +163,7 @@ fn inverse_lanczos(
     // relative to lambda r / theta or less. A margin, because true residuals decide in the end.
     let accept = |theta: f64, residual: f64| residual <= 0.02 * parameters.tolerance * theta;
     let report = |converged: usize| progress(zeros + converged).is_continue();
-    let ritz = lanczos.run(|x, y| inverse.apply(x, y), accept, report)?;
+    let ritz = lanczos.run(|x| inverse.apply(x), accept, report)?;
     let values = ritz.values.iter().map(|theta| (1.0 / theta - sigma).max(0.0)).collect();
     Ok((values, ritz))
 }
@@ -214,20 +214,19 @@ struct Quality {
 impl Quality {
     fn measure(problem: &StandardProblem, values: &[f64], vectors: &Tall) -> Self {
         let count = values.len();
-        let width = 16.min(count.max(1));
-        let (mut x, mut y) = (Tall::zeros(problem.len(), width), Tall::zeros(problem.len(), width));
-        let mut residuals = Vec::with_capacity(count);
-        for from in (0..count).step_by(width) {
-            let columns = width.min(count - from);
-            vectors.get_columns(from, columns, &mut x);
-            problem.apply(&x, &mut y);
-            for (row, target) in y.data_mut().chunks_mut(width).enumerate() {
-                for j in 0..columns {
-                    target[j] -= values[from + j] * x.row(row)[j];
+        let residuals = vectors.blocks()[..count.div_ceil(LANES)].par_iter().enumerate().map(|(b, x)| {
+            let mut y = x.clone();
+            problem.apply(x, &mut y);
+            let mut sums = [0.0; LANES];
+            for (x, y) in x.iter().zip(&y) {
+                for l in 0..LANES.min(count - b * LANES) {
+                    sums[l] += (y.0[l] - values[b * LANES + l] * x.0[l]).powi(2);
                 }
             }
-            residuals.extend(y.column_norms()[..columns].iter().zip(&values[from..]).map(|(r, l)| r / l));
-        }
+            std::array::from_fn(|l| sums[l].sqrt() / values.get(b * LANES + l).unwrap_or(&1.0))
+        });
+        let residuals: Vec<[f64; LANES]> = residuals.collect();
+        let residuals = residuals.as_flattened()[..count].to_vec();
         Self { residuals, orthogonality: orthogonality(vectors, count) }
     }
 

@@ -4,7 +4,8 @@ use mser3d_laplace::Operator;
 use mser3d_shape::Eigenbasis;
 
 use crate::SpectralError;
-use crate::tall::Tall;
+use crate::tall::{Block, LANES, Lanes, Tall};
+use rayon::prelude::*;
 
 /// `W phi = lambda M phi` as the standard problem `A x = lambda x`, `A = M^(-1/2) W M^(-1/2)`,
 /// `x = M^(1/2) phi`, over the rows that have mass.
@@ -53,19 +54,16 @@ impl StandardProblem {
         self.active.len()
     }
 
-    /// `y = A x` for the columns of x.
-    pub fn apply(&self, x: &Tall, y: &mut Tall) {
-        use rayon::prelude::*;
-        let width = y.stride();
-        y.data_mut().par_chunks_mut(width).enumerate().for_each(|(row, target)| {
-            target.fill(0.0);
+    /// `y = A x`.
+    pub fn apply(&self, x: &Block, y: &mut Block) {
+        for (row, target) in y.iter_mut().enumerate() {
+            let mut sum = [0.0; LANES];
             for at in self.starts[row]..self.starts[row + 1] {
-                let value = self.values[at];
-                for (t, s) in target.iter_mut().zip(x.row(self.columns[at])) {
-                    *t += value * s;
-                }
+                let (value, source) = (self.values[at], &x[self.columns[at]].0);
+                (0..LANES).for_each(|l| sum[l] += value * source[l]);
             }
-        });
+            *target = Lanes(sum);
+        }
     }
 
     /// The eigenbasis of the generalized problem: exact constants for the null space, then the
@@ -84,8 +82,8 @@ impl StandardProblem {
             if let Some(constant) = target[..zeros].get_mut(self.null_space.label(at)) {
                 *constant = self.null_space.constant(at);
             }
-            for (t, x) in target[zeros..].iter_mut().zip(vectors.row(at)) {
-                *t = x / self.root_mass[at];
+            for (i, t) in target[zeros..].iter_mut().enumerate() {
+                *t = vectors.at(at, i) / self.root_mass[at];
             }
         }
         let eigenvalues = std::iter::repeat_n(0.0, zeros).chain(values[..count - zeros].iter().copied());
@@ -139,21 +137,18 @@ impl NullSpace {
     }
 
     /// Makes the columns orthogonal to the null space.
-    pub fn project_out(&self, block: &mut Tall) {
-        let width = block.stride();
-        let mut sums = vec![0.0; self.len() * width];
-        for (row, values) in block.data().chunks(width).enumerate() {
-            let target = &mut sums[self.label(row) * width..][..width];
-            for (sum, x) in target.iter_mut().zip(values) {
-                *sum += self.entries[row] * x;
+    pub fn project_out(&self, columns: &mut Tall) {
+        columns.blocks_mut().par_iter_mut().for_each(|block| {
+            let mut sums = vec![[0.0; LANES]; self.len()];
+            for (row, lanes) in block.iter().enumerate() {
+                let sum = &mut sums[self.labels[row] as usize];
+                (0..LANES).for_each(|l| sum[l] += self.entries[row] * lanes.0[l]);
             }
-        }
-        for (row, values) in block.data_mut().chunks_mut(width).enumerate() {
-            let source = &sums[self.labels[row] as usize * width..][..width];
-            for (x, sum) in values.iter_mut().zip(source) {
-                *x -= self.entries[row] * sum;
+            for (row, lanes) in block.iter_mut().enumerate() {
+                let sum = &sums[self.labels[row] as usize];
+                (0..LANES).for_each(|l| lanes.0[l] -= self.entries[row] * sum[l]);
             }
-        }
+        });
     }
 }
 
@@ -181,11 +176,7 @@ pub(crate) fn dense_eigenpairs(problem: &StandardProblem) -> Result<(Vec<f64>, T
     }
     let (values, vectors) = crate::tall::small_eigen(&matrix).ok_or(SpectralError::DenseEigenproblem)?;
     let rest = n - null.len();
-    let mut tall = Tall::zeros(n, rest.max(1));
-    for (row, target) in tall.data_mut().chunks_mut(rest.max(1)).enumerate() {
-        for i in 0..rest {
-            target[i] = vectors[(row, i)];
-        }
-    }
+    let mut tall = Tall::zeros(n, rest);
+    tall.fill(|row, column| vectors[(row, column)]);
     Ok((values[..rest].iter().map(|v| v.max(0.0)).collect(), tall))
 }
