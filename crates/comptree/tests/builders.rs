@@ -3,7 +3,7 @@ mod common;
 
 use common::{check_structure, components_by_threshold, components_of, facts_by_kruskal, facts_of};
 use mser3d_comptree::{ComponentTree, GreyValue, Polarity, Stencil, TreeError};
-use mser3d_shape::{BitGrid, Connectivity, Frame, Graph, VoxelGrid};
+use mser3d_shape::{BitGrid, Connectivity, Frame, VoxelGrid};
 use proptest::prelude::*;
 
 const STENCILS: [Stencil; 5] =

@@ -1,8 +1,11 @@
+use std::ops::Range;
+
 use mser3d_shape::DisjointSets;
 use rayon::prelude::*;
 
 use super::basins::Basins;
 use super::relief::Relief;
+use super::trunk::Trunk;
 use crate::order::NONE;
 
 /// The tree of basins: each arc spans the levels from its birth to that of its parent. Children have
@@ -13,21 +16,37 @@ pub(super) struct Arcs {
     pub births: Vec<f64>,
     /// The lowest arc of each basin.
     pub of_basin: Vec<u32>,
-    /// An ancestor further up, so that climbing takes a logarithmic number of steps (Myers 1983).
-    jumps: Vec<u32>,
+    steps: Vec<Step>,
+    trunk: Trunk,
+}
+
+/// The ways up from an arc: what a climb reads lies together.
+#[derive(Clone, Copy)]
+struct Step {
+    /// The level from which on the arc is part of the trunk.
+    joins: f64,
+    /// Birth of the parent.
+    end: f64,
+    /// Birth of the arc that `jump` leads to.
+    landing: f64,
+    parent: u32,
+    /// An ancestor further up, so that a climb takes a logarithmic number of steps (Myers 1983).
+    jump: u32,
 }
 
 impl Arcs {
-    /// The arc, from `arc` upwards, that spans `level`.
+    /// The arc, from `arc` upwards, that spans `level`, and the level at which it ends.
     #[inline]
-    pub fn climb(&self, mut arc: u32, level: f64) -> u32 {
+    pub fn climb(&self, mut arc: u32, level: f64) -> (u32, f64) {
+        if self.steps[arc as usize].joins <= level {
+            return self.trunk.at(level);
+        }
         loop {
-            let parent = self.parents[arc as usize];
-            if parent == NONE || self.births[parent as usize] > level {
-                return arc;
+            let step = &self.steps[arc as usize];
+            if step.end > level || step.parent == NONE {
+                return (arc, step.end);
             }
-            let jump = self.jumps[arc as usize];
-            arc = if self.births[jump as usize] <= level { jump } else { parent };
+            arc = if step.landing <= level { step.jump } else { step.parent };
         }
     }
 }
@@ -79,23 +98,34 @@ fn without_empty(parents: Vec<u32>, births: Vec<f64>, basins: usize) -> Arcs {
     let kept = (0..parents.len()).filter(|&arc| !ends(arc));
     let parent = |arc: usize| if parents[arc] == NONE { NONE } else { number[parents[arc] as usize] };
     let new_parents: Vec<u32> = kept.clone().map(parent).collect();
-    let births = kept.map(|arc| births[arc]).collect();
+    let births: Vec<f64> = kept.map(|arc| births[arc]).collect();
     number.truncate(basins);
-    let jumps = jumps(&new_parents);
-    Arcs { parents: new_parents, births, of_basin: number, jumps }
+    let (trunk, joins) = Trunk::new(&new_parents, &births, &number);
+    let steps = steps(&new_parents, &births, &joins);
+    Arcs { parents: new_parents, births, of_basin: number, steps, trunk }
 }
 
-fn jumps(parents: &[u32]) -> Vec<u32> {
+fn steps(parents: &[u32], births: &[f64], joins: &[f64]) -> Vec<Step> {
     let mut depth = vec![0u32; parents.len()];
-    let mut jumps: Vec<u32> = (0..parents.len() as u32).collect();
+    let root = |arc: u32| Step {
+        joins: joins[arc as usize],
+        end: f64::INFINITY,
+        landing: f64::INFINITY,
+        parent: NONE,
+        jump: arc,
+    };
+    let mut steps: Vec<Step> = (0..parents.len() as u32).map(root).collect();
     for arc in (0..parents.len()).rev().filter(|&arc| parents[arc] != NONE) {
-        let parent = parents[arc] as usize;
-        let (once, twice) = (jumps[parent] as usize, jumps[jumps[parent] as usize]);
-        depth[arc] = depth[parent] + 1;
-        let even = depth[parent] - depth[once] == depth[once] - depth[twice as usize];
-        jumps[arc] = if even { twice } else { parent as u32 };
+        let parent = parents[arc];
+        let once = steps[parent as usize].jump;
+        let twice = steps[once as usize].jump;
+        let at = |arc: u32| depth[arc as usize];
+        let jump = if at(parent) - at(once) == at(once) - at(twice) { twice } else { parent };
+        depth[arc] = at(parent) + 1;
+        let birth = |arc: u32| births[arc as usize];
+        steps[arc] = Step { joins: joins[arc], end: birth(parent), landing: birth(jump), parent, jump };
     }
-    jumps
+    steps
 }
 
 /// Enough edges between basins for a minimum spanning forest.
@@ -103,55 +133,47 @@ fn jumps(parents: &[u32]) -> Vec<u32> {
 /// Where they are few, all of them. Where they are many, as in noise, Borůvka's rounds come first:
 /// each joins every basin by its lowest edge, without storing the others.
 fn saddles<R: Relief>(relief: &R, basins: &Basins, parts: usize) -> Vec<Saddle> {
-    let Basins { labels, minima } = basins;
+    let labels = &basins.labels[..];
+    let count = basins.minima.len();
     let ranges = relief.split_edges(parts);
-    let most = relief.len() / 8 / ranges.len().max(1) + 1024;
-    let mut sets = DisjointSets::new(minima.len());
-    let mut group: Vec<u32> = (0..minima.len() as u32).collect();
+    let most = relief.len() / 2 / ranges.len().max(1) + 1024;
+    let mut sets = DisjointSets::new(count);
+    let mut group: Vec<u32> = (0..count as u32).collect();
     let mut forest = Vec::new();
     loop {
-        let of = |v: u32| group[labels[v as usize] as usize];
-        let few = |range: &std::ops::Range<usize>| {
-            let mut found = Vec::new();
-            let mut count = 0;
+        let collect = |range: &Range<usize>| {
+            let mut found = Found::Few(Vec::new());
             relief.boundary(range.clone(), labels, |v, w, level| {
-                if of(v) != of(w) {
-                    count += 1;
-                    if found.len() < most {
-                        // Of the basins themselves: a group may only be joined further up.
-                        let basins = [v, w].map(|v| labels[v as usize]);
-                        found.push(Saddle { level, basins });
+                let basins = [v, w].map(|v| labels[v as usize]);
+                let [a, b] = basins.map(|basin| group[basin as usize]);
+                if a == b {
+                    return;
+                }
+                match &mut found {
+                    Found::Few(saddles) if saddles.len() < most => saddles.push(Saddle { level, basins }),
+                    Found::Few(saddles) => {
+                        let mut best = Lowest::of(count, std::mem::take(saddles), &group);
+                        Lowest::take(&mut best, [a, b], Lowest { level, basins });
+                        found = Found::Many(best);
                     }
+                    Found::Many(best) => Lowest::take(best, [a, b], Lowest { level, basins }),
                 }
             });
-            (count <= most).then_some(found)
+            found
         };
-        let found: Option<Vec<Vec<Saddle>>> = ranges.par_iter().map(few).collect();
-        if let Some(found) = found {
-            forest.extend(found.into_iter().flatten());
-            return forest;
-        }
-        let lowest = |range: &std::ops::Range<usize>| {
-            let mut best = vec![Lowest::NONE; minima.len()];
-            relief.boundary(range.clone(), labels, |v, w, level| {
-                let (a, b) = (of(v), of(w));
-                if a != b {
-                    let edge = Lowest { level, ends: [v, w] };
-                    best[a as usize].take(edge);
-                    best[b as usize].take(edge);
-                }
-            });
-            best
+        let found: Vec<Found> = ranges.par_iter().map(collect).collect();
+        let best = found.into_iter().reduce(|a, b| a.join(b, count, &group));
+        let best = match best {
+            None => return forest,
+            Some(Found::Few(saddles)) => {
+                forest.extend(saddles);
+                return forest;
+            }
+            Some(Found::Many(best)) => best,
         };
-        let join = |mut a: Vec<Lowest>, b: Vec<Lowest>| {
-            a.iter_mut().zip(b).for_each(|(a, b)| a.take(b));
-            a
-        };
-        let best = ranges.par_iter().map(lowest).reduce_with(join).unwrap_or_default();
-        for edge in best.into_iter().filter(|edge| edge.ends[0] != NONE) {
-            let basins = edge.ends.map(|v| labels[v as usize]);
+        for Lowest { level, basins } in best.into_iter().filter(|edge| edge.basins[0] != NONE) {
             if sets.union(basins[0], basins[1]).is_some() {
-                forest.push(Saddle { level: edge.level, basins });
+                forest.push(Saddle { level, basins });
             }
         }
         for (basin, group) in group.iter_mut().enumerate() {
@@ -160,20 +182,60 @@ fn saddles<R: Relief>(relief: &R, basins: &Basins, parts: usize) -> Vec<Saddle> 
     }
 }
 
-/// The lowest edge out of a group of basins; of equal ones the one with the smallest ends, so that
+/// The edges between groups of basins that one range of edges holds.
+enum Found {
+    /// All of them.
+    Few(Vec<Saddle>),
+    /// The lowest of each group.
+    Many(Vec<Lowest>),
+}
+
+impl Found {
+    fn join(self, other: Self, count: usize, group: &[u32]) -> Self {
+        match (self, other) {
+            (Self::Few(mut a), Self::Few(b)) => {
+                a.extend(b);
+                Self::Few(a)
+            }
+            (Self::Few(few), Self::Many(many)) | (Self::Many(many), Self::Few(few)) => {
+                Self::Many(many).join(Self::Many(Lowest::of(count, few, group)), count, group)
+            }
+            (Self::Many(mut a), Self::Many(b)) => {
+                a.iter_mut().zip(b).for_each(|(a, b)| a.keep_lower(b));
+                Self::Many(a)
+            }
+        }
+    }
+}
+
+/// The lowest edge out of a group of basins; of equal ones the one between the smallest basins, so that
 /// the choices of all groups never close a circle.
 #[derive(Clone, Copy)]
 struct Lowest {
     level: f64,
-    ends: [u32; 2],
+    basins: [u32; 2],
 }
 
 impl Lowest {
-    const NONE: Self = Self { level: f64::INFINITY, ends: [NONE; 2] };
+    const NONE: Self = Self { level: f64::INFINITY, basins: [NONE; 2] };
+
+    fn of(count: usize, saddles: Vec<Saddle>, group: &[u32]) -> Vec<Self> {
+        let mut best = vec![Self::NONE; count];
+        for Saddle { level, basins } in saddles {
+            Self::take(&mut best, basins.map(|basin| group[basin as usize]), Self { level, basins });
+        }
+        best
+    }
 
     #[inline]
-    fn take(&mut self, other: Self) {
-        if other.level < self.level || other.level == self.level && other.ends < self.ends {
+    fn take(best: &mut [Self], groups: [u32; 2], Self { level, basins: [a, b] }: Self) {
+        let edge = Self { level, basins: [a.min(b), a.max(b)] };
+        groups.into_iter().for_each(|group| best[group as usize].keep_lower(edge));
+    }
+
+    #[inline]
+    fn keep_lower(&mut self, other: Self) {
+        if other.level < self.level || other.level == self.level && other.basins < self.basins {
             *self = other;
         }
     }

@@ -22,12 +22,12 @@ pub(super) fn place<R: Relief>(
 ) -> Nodes {
     let n = labels.len();
     let step = n.div_ceil(parts.max(1)).max(1);
-    let members: Vec<Members> = labels
+    let counts: Vec<Vec<u32>> = labels
         .par_chunks_mut(step)
         .enumerate()
         .map(|(part, labels)| climb(relief, labels, part * step, arcs))
         .collect();
-    let order = Order::new(arcs, members, relief.top());
+    let order = Order::new(arcs, &labels, counts, relief.top());
     let pairs = order.scatter(relief, labels, step);
     let (vertices, levels, ties) = order.sort(relief, pairs);
     let mut nodes = order.nodes(vertices, levels, ties, arcs);
@@ -37,32 +37,23 @@ pub(super) fn place<R: Relief>(
     nodes
 }
 
-/// What one range of vertices has on each arc.
-struct Members {
-    count: Vec<u32>,
-    first: Vec<u32>,
-}
-
-/// Turns the basins of a range of vertices into arcs.
-fn climb<R: Relief>(relief: &R, labels: &mut [u32], start: usize, arcs: &Arcs) -> Members {
-    let mut members = Members { count: vec![0; arcs.parents.len()], first: vec![NONE; arcs.parents.len()] };
+/// Turns the basins of a range of vertices into arcs, and counts the vertices of each.
+fn climb<R: Relief>(relief: &R, labels: &mut [u32], start: usize, arcs: &Arcs) -> Vec<u32> {
+    let mut count = vec![0; arcs.parents.len()];
     // Next to each other most vertices lie on one arc.
     let (mut basin, mut arc, mut span) = (NONE, NONE, f64::INFINITY..f64::INFINITY);
     for (i, label) in labels.iter_mut().enumerate() {
-        let v = (start + i) as u32;
-        let level = relief.level(v);
+        let level = relief.level((start + i) as u32);
         if *label != basin || !span.contains(&level) {
             basin = *label;
-            arc = arcs.climb(arcs.of_basin[basin as usize], level);
-            let parent = arcs.parents[arc as usize];
-            let end = if parent == NONE { f64::INFINITY } else { arcs.births[parent as usize] };
+            let end;
+            (arc, end) = arcs.climb(arcs.of_basin[basin as usize], level);
             span = arcs.births[arc as usize]..end;
         }
         *label = arc;
-        members.count[arc as usize] += 1;
-        members.first[arc as usize] = members.first[arc as usize].min(v);
+        count[arc as usize] += 1;
     }
-    members
+    count
 }
 
 /// The arcs in postorder, and the bins of vertices along them.
@@ -102,21 +93,13 @@ fn finite(level: f64) -> f64 {
 }
 
 impl Order {
-    fn new(arcs: &Arcs, members: Vec<Members>, top: f64) -> Self {
+    fn new(arcs: &Arcs, labels: &[u32], counts: Vec<Vec<u32>>, top: f64) -> Self {
         let count = arcs.parents.len();
         let mut own = vec![0u32; count];
-        let mut first = vec![NONE; count];
-        for part in members {
-            own.iter_mut().zip(part.count).for_each(|(a, b)| *a += b);
-            first.iter_mut().zip(part.first).for_each(|(a, b)| *a = (*a).min(b));
+        for part in counts {
+            own.iter_mut().zip(part).for_each(|(sum, count)| *sum += count);
         }
-        for arc in 0..count {
-            let parent = arcs.parents[arc];
-            if parent != NONE {
-                first[parent as usize] = first[parent as usize].min(first[arc]);
-            }
-        }
-        let postorder = postorder(&arcs.parents, &first);
+        let postorder = postorder(&arcs.parents, labels);
         let mut bins = vec![Bins { first: 0, last: 0, low: 0.0, scale: 0.0 }; count];
         let (mut starts, mut start, mut bin) = (Vec::with_capacity(count + 1), 0, 0u32);
         for &arc in &postorder {
@@ -298,36 +281,47 @@ fn sort_bin<R: Relief>(
 }
 
 /// The arcs with children before parents and siblings by their smallest vertex.
-fn postorder(parents: &[u32], first: &[u32]) -> Vec<u32> {
-    let mut by_first: Vec<u32> = (0..parents.len() as u32).collect();
-    by_first.par_sort_unstable_by_key(|&arc| std::cmp::Reverse(first[arc as usize]));
-    let (mut first_child, mut next_sibling) = (vec![NONE; parents.len()], vec![NONE; parents.len()]);
-    let mut first_root = NONE;
-    for &arc in &by_first {
-        let head = match parents[arc as usize] {
-            NONE => &mut first_root,
-            parent => &mut first_child[parent as usize],
-        };
-        next_sibling[arc as usize] = std::mem::replace(head, arc);
-    }
-    let mut order = by_first;
-    order.clear();
-    let mut at = first_root;
-    while at != NONE {
-        while first_child[at as usize] != NONE {
-            at = first_child[at as usize];
+fn postorder(parents: &[u32], arc_of: &[u32]) -> Vec<u32> {
+    // Climbing from the vertices in ascending order, each time up to what was reached before, an arc is
+    // first reached from its smallest vertex: siblings are reached in the order wanted.
+    let mut reached = vec![false; parents.len()];
+    let mut first_child = vec![NONE; parents.len()];
+    let mut last_child = vec![NONE; parents.len()];
+    let mut next_sibling = vec![NONE; parents.len()];
+    let mut roots = Vec::new();
+    for &start in arc_of {
+        let mut arc = start;
+        while !std::mem::replace(&mut reached[arc as usize], true) {
+            let parent = parents[arc as usize];
+            if parent == NONE {
+                roots.push(arc);
+                break;
+            }
+            match std::mem::replace(&mut last_child[parent as usize], arc) {
+                NONE => first_child[parent as usize] = arc,
+                sibling => next_sibling[sibling as usize] = arc,
+            }
+            arc = parent;
         }
-        // Up to the nearest ancestor with a sibling to its right.
+    }
+    let descend = |mut arc: u32| {
+        while first_child[arc as usize] != NONE {
+            arc = first_child[arc as usize];
+        }
+        arc
+    };
+    let mut order = Vec::with_capacity(parents.len());
+    for root in roots {
+        let mut arc = descend(root);
         loop {
-            order.push(at);
-            if next_sibling[at as usize] != NONE {
-                at = next_sibling[at as usize];
+            order.push(arc);
+            if arc == root {
                 break;
             }
-            at = parents[at as usize];
-            if at == NONE {
-                break;
-            }
+            arc = match next_sibling[arc as usize] {
+                NONE => parents[arc as usize],
+                sibling => descend(sibling),
+            };
         }
     }
     order

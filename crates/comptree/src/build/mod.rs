@@ -21,6 +21,7 @@ mod basins;
 mod edge_relief;
 mod edges;
 mod relief;
+mod trunk;
 mod vertices;
 
 use relief::Relief;
