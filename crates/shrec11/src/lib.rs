@@ -46,7 +46,7 @@ mod vertex_set;
 
 pub use correspondence::SurfacePoint;
 pub use error::ShrecError;
-pub use files::{Benchmark, BenchmarkWriter, Detection, NotAShapeName, ShapeName};
+pub use files::{Benchmark, BenchmarkWriter, Detection, NotAShapeName, ShapeName, read_symmetry};
 pub use overlap::{NullShape, Overlaps};
 pub use score::{Score, mean_score, share_above};
 pub use transfer::Transfer;

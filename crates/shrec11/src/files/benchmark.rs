@@ -5,7 +5,7 @@ use mser3d_meshio::{ReadOptions, read_mesh};
 use mser3d_shape::TriangleMesh;
 
 use super::name::ShapeName;
-use super::{corr, symmetry};
+use super::{corr, read_symmetry};
 use crate::{NullShape, ShrecError, Transformed};
 
 const SHREC11: [&str; 11] = [
@@ -106,9 +106,7 @@ impl Benchmark {
         for extension in ["mat", "txt"] {
             let path = self.folder.join(format!("{name}.sym.{extension}"));
             if path.exists() {
-                let bytes =
-                    std::fs::read(&path).map_err(|source| ShrecError::Read { path: path.clone(), source })?;
-                let mirror = symmetry::parse(&bytes, &path, mesh.vertices().len())?;
+                let mirror = read_symmetry(&path, mesh.vertices().len())?;
                 return NullShape::new(mesh).with_symmetry(mirror);
             }
         }

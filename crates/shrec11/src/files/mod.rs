@@ -11,4 +11,5 @@ mod write;
 pub use benchmark::Benchmark;
 pub use detection::Detection;
 pub use name::{NotAShapeName, ShapeName};
+pub use symmetry::read_symmetry;
 pub use write::BenchmarkWriter;

@@ -5,11 +5,22 @@ use std::path::Path;
 use super::mat5;
 use crate::ShrecError;
 
+/// Reads a left-right symmetry for [`NullShape::with_symmetry`](crate::NullShape::with_symmetry): the
+/// variable `isym` of a MAT-file, or a plain list. Line or entry i is the vertex that mirrors vertex i;
+/// vertices count from 0 or from 1, which the file shows by naming vertex 0 or not.
+///
+/// # Errors
+/// [`ShrecError::Read`], [`ShrecError::BadFile`] or [`ShrecError::BadLine`].
+pub fn read_symmetry(path: &Path, vertices: usize) -> Result<Vec<u32>, ShrecError> {
+    let bytes = std::fs::read(path).map_err(|source| ShrecError::Read { path: path.into(), source })?;
+    parse(&bytes, path, vertices)
+}
+
 /// The mirror vertex of each vertex, from 0, of a file that is a MAT-file or a text.
 ///
 /// A list that names vertex 0 counts from 0, one that names vertex n of n counts from 1. (A
 /// symmetry is one to one, so one of them occurs.)
-pub(super) fn parse(bytes: &[u8], path: &Path, vertices: usize) -> Result<Vec<u32>, ShrecError> {
+fn parse(bytes: &[u8], path: &Path, vertices: usize) -> Result<Vec<u32>, ShrecError> {
     let bad = |problem: String| ShrecError::BadFile { path: path.into(), problem };
     let numbers = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("mat")) {
         mat5::variable(bytes, "isym").map_err(bad)?
