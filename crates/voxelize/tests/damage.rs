@@ -217,25 +217,7 @@ fn a_one_sided_surface_is_said_to_be_one() {
 #[test]
 fn euler_characteristic_and_genus() {
     assert_eq!((diagnose(&figure()).euler_characteristic, diagnose(&figure()).genus), (2, Some(0)));
-    let (m, n) = (24u32, 12u32);
-    let vertices = (0..m * n)
-        .map(|i| {
-            let (u, v) = (f64::from(i / n) / f64::from(m), f64::from(i % n) / f64::from(n));
-            let (u, v) = (u * std::f64::consts::TAU, v * std::f64::consts::TAU);
-            let r = 1.0 + 0.4 * v.cos();
-            [r * u.cos(), r * u.sin(), 0.4 * v.sin()]
-        })
-        .collect();
-    let at = |i: u32, j: u32| i % m * n + j % n;
-    let triangles = (0..m)
-        .flat_map(|i| (0..n).map(move |j| (i, j)))
-        .flat_map(|(i, j)| {
-            let (a, b, c, d) = (at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
-            [[a, b, c], [a, c, d]]
-        })
-        .collect();
-    let torus = TriangleMesh::new(vertices, triangles).unwrap();
-    let diagnosis = diagnose(&torus);
+    let diagnosis = diagnose(&torus(24, 12));
     assert_eq!((diagnosis.euler_characteristic, diagnosis.genus, diagnosis.closed), (0, Some(1), true));
 }
 

@@ -3,7 +3,7 @@
 mod common;
 
 use common::*;
-use mser3d_shape::{Frame, TriangleMesh, VoxelGrid};
+use mser3d_shape::{Connectivity, Frame, TriangleMesh, VoxelGrid};
 use mser3d_voxelize::*;
 
 fn solid(mesh: &TriangleMesh, parameters: VoxelizeParameters) -> Voxelization {
@@ -138,6 +138,43 @@ fn links_follow_the_definition_for_one_body() {
     }
 }
 
+/// The same for all 26 neighbours, and the 6-neighbour links are those of the plain grid.
+#[test]
+fn diagonal_links_follow_the_definition() {
+    let mesh = moved(&folded(0.02), rotation([1.0, 2.0, 0.5], 0.9));
+    let plain = at(0.11, [-3.0, -2.99, -3.01], 3.0);
+    let parameters = VoxelizeParameters { connectivity: Connectivity::TwentySix, ..plain.clone() };
+    let grid = solid(&mesh, parameters).grid;
+    assert_eq!(grid.links(), solid(&mesh, plain).grid.links());
+    let bvh = Bvh::new(&mesh);
+    let voxels: Vec<[u32; 3]> = grid.voxels().collect();
+    let cut = grid.cut_diagonals().unwrap();
+    let mut seen = 0;
+    for [u, v] in grid.diagonal_pairs() {
+        let [p, q] = [u, v].map(|w| grid.frame().centre(voxels[w as usize]));
+        let direction = std::array::from_fn(|a| q[a] - p[a]);
+        let parted = bvh.all_hits(p, direction, 1.0).len() >= 2;
+        assert_eq!(cut.binary_search(&[u, v]).is_ok(), parted);
+        seen += usize::from(parted);
+    }
+    assert!(seen > 100 && seen == cut.len());
+
+    // Boxes in contact fall apart, overlapping ones do not.
+    for (x, parts) in [(0.0, 2), (-0.02, 1)] {
+        let boxes = together(&[cuboid([-1.0; 3], [0.0, 1.0, 1.0]), cuboid([x, -1.0, -1.0], [1.0; 3])]);
+        for (pitch, origin) in offsets(8) {
+            let parameters =
+                VoxelizeParameters { connectivity: Connectivity::TwentySix, ..at(pitch, origin, 3.0) };
+            let grid = solid(&boxes, parameters).grid;
+            assert_eq!(
+                grid.graph(Connectivity::TwentySix).unwrap().components().len(),
+                parts,
+                "pitch {pitch}"
+            );
+        }
+    }
+}
+
 /// A surface that overlaps itself: two crossing arms of one ring-like band.
 #[test]
 fn a_body_that_overlaps_itself_is_parted_there() {
@@ -191,6 +228,34 @@ fn different_bodies_that_overlap_stay_joined() {
         let parted = solid(&mesh, VoxelizeParameters { overlap: Overlap::Part, ..at(pitch, origin, 3.0) });
         assert_eq!(parted.grid.components().len(), 2);
     }
+}
+
+/// Where the pitch resolves a shape, its solid has half the Euler characteristic of its surface.
+#[test]
+fn the_solid_has_the_topology_of_the_mesh() {
+    let shell = together(&[sphere([0.0; 3], 1.0, 5), inside_out(&sphere([0.0; 3], 0.6, 5))]);
+    let shapes = [
+        (sphere([0.0; 3], 1.0, 5), 2),
+        (torus(48, 24), 0),
+        (shell, 4),
+        (cuboid([-1.0; 3], [0.9, 0.8, 0.7]), 2),
+    ];
+    for (mesh, characteristic) in shapes {
+        assert_eq!(diagnose(&mesh).euler_characteristic, characteristic);
+        for (pitch, origin) in offsets(9) {
+            for angle in [0.0, 0.8] {
+                let mesh = moved(&mesh, rotation([3.0, 1.0, 2.0], angle));
+                let result = solid(&mesh, at(pitch / 2.0, origin, 3.0));
+                assert_eq!(2 * result.topology.euler_characteristic, characteristic, "{pitch} {angle}");
+                assert!(!result.warnings.iter().any(|w| matches!(w, Warning::Topology { .. })));
+            }
+        }
+    }
+    // Too coarse for the hole of the torus, or for its tube.
+    let coarse = solid(&torus(48, 24), VoxelizeParameters { pitch: Pitch::Size(1.1), ..Default::default() });
+    assert!(
+        coarse.warnings.iter().any(|w| matches!(w, Warning::Topology { mesh: 0, .. } | Warning::Thin { .. }))
+    );
 }
 
 /// The same links from an open mesh as from the closed one, away from the holes.

@@ -41,11 +41,12 @@ impl Sheared {
     fn meets(&self, node: &Node, limit: f64) -> bool {
         let (mut near, mut far) = (0.0f64, limit);
         for a in 0..3 {
-            let (low, high) = (
-                (node.bounds.min[a] - self.origin[a]) * self.inverse[a],
-                (node.bounds.max[a] - self.origin[a]) * self.inverse[a],
-            );
-            // In a plane of the box 0 * infinity is no number, and `min` and `max` pass it over.
+            let low = (node.bounds.min[a] - self.origin[a]) * self.inverse[a];
+            let high = (node.bounds.max[a] - self.origin[a]) * self.inverse[a];
+            // Within a plane of the box 0 * infinity is no number, and the plane no bound.
+            if low.is_nan() || high.is_nan() {
+                continue;
+            }
             near = near.max(low.min(high));
             far = far.min(low.max(high) * (1.0 + 4.0 * f64::EPSILON));
         }

@@ -90,7 +90,7 @@ impl WindingTree {
         Self { bvh, expansions, areas }
     }
 
-    /// The winding number around a point, to about 1e-3 and exact near the surface. A point on a
+    /// The winding number around a point, to a few 1e-3 and better near the surface. A point on a
     /// triangle counts as displaced by an infinitesimal along +x (then +y, +z).
     /// Cost: O(log n) for the meshes of practice.
     pub fn winding_number(&self, point: Vec3) -> f64 {

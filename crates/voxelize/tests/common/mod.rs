@@ -43,6 +43,27 @@ pub fn sphere(centre: Vec3, radius: f64, subdivisions: usize) -> TriangleMesh {
     TriangleMesh::new(vertices, triangles).unwrap()
 }
 
+/// A torus of radii 1 and 0.4 around z, m x n quads.
+pub fn torus(m: u32, n: u32) -> TriangleMesh {
+    let vertices = (0..m * n)
+        .map(|i| {
+            let (u, v) = (f64::from(i / n) / f64::from(m), f64::from(i % n) / f64::from(n));
+            let (u, v) = (u * std::f64::consts::TAU, v * std::f64::consts::TAU);
+            let r = 1.0 + 0.4 * v.cos();
+            [r * u.cos(), r * u.sin(), 0.4 * v.sin()]
+        })
+        .collect();
+    let at = |i: u32, j: u32| i % m * n + j % n;
+    let triangles = (0..m)
+        .flat_map(|i| (0..n).map(move |j| (i, j)))
+        .flat_map(|(i, j)| {
+            let (a, b, c, d) = (at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
+            [[a, b, c], [a, c, d]]
+        })
+        .collect();
+    TriangleMesh::new(vertices, triangles).unwrap()
+}
+
 /// Several meshes as one.
 pub fn together(meshes: &[TriangleMesh]) -> TriangleMesh {
     let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
