@@ -3,6 +3,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::name::ShapeName;
+use super::write::save;
 use crate::{ShrecError, VertexSet};
 
 /// What a detector found on one shape, whichever detector it was.
@@ -47,7 +48,12 @@ impl Detection {
         Ok(Self { regions, descriptors })
     }
 
-    /// Writes it into a folder.
+    /// Whether a folder has what was found on a shape.
+    pub fn is_in(folder: &Path, name: &ShapeName) -> bool {
+        regions_path(folder, name).exists()
+    }
+
+    /// Writes it into a folder, the regions last.
     ///
     /// # Errors
     /// [`ShrecError::Write`].
@@ -58,16 +64,15 @@ impl Detection {
             // Writing to a String cannot fail.
             let _ = writeln!(regions, "{}", members.join(" "));
         }
-        save(regions_path(folder, name), &regions)?;
-        if self.descriptors.is_empty() {
-            return Ok(());
-        }
         let mut descriptors = String::new();
         for row in &self.descriptors {
             let numbers: Vec<String> = row.iter().map(f64::to_string).collect();
             let _ = writeln!(descriptors, "{}", numbers.join(" "));
         }
-        save(descriptors_path(folder, name), &descriptors)
+        if !descriptors.is_empty() {
+            save(descriptors_path(folder, name), &descriptors)?;
+        }
+        save(regions_path(folder, name), &regions)
     }
 }
 
@@ -77,10 +82,6 @@ fn regions_path(folder: &Path, name: &ShapeName) -> PathBuf {
 
 fn descriptors_path(folder: &Path, name: &ShapeName) -> PathBuf {
     folder.join(format!("{name}.descriptors"))
-}
-
-fn save(path: PathBuf, text: &str) -> Result<(), ShrecError> {
-    fs::write(&path, text).map_err(|source| ShrecError::Write { path, source })
 }
 
 /// The numbers of each line that is no comment, with the line's number.

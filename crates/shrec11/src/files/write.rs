@@ -10,7 +10,7 @@ use crate::{NullShape, ShrecError, Transformed};
 
 /// Writes a benchmark in the layout that [`Benchmark`](crate::Benchmark) reads.
 ///
-/// The ground truth is written last for each shape, so that an interrupted run shows.
+/// The ground truth is written last for each shape: where it is there, the shape is whole.
 #[derive(Clone, Debug)]
 pub struct BenchmarkWriter {
     folder: PathBuf,
@@ -33,10 +33,10 @@ impl BenchmarkWriter {
     /// [`ShrecError::Write`].
     pub fn null_shape(&self, number: u32, shape: &NullShape) -> Result<(), ShrecError> {
         let name = ShapeName::null(number);
-        write(name.mesh_path(&self.folder), &off(shape.mesh()))?;
+        save(name.mesh_path(&self.folder), &off(shape.mesh()))?;
         if let Some(mirror) = shape.mirror() {
             let list: String = mirror.iter().map(|m| format!("{}\n", m + 1)).collect();
-            write(self.folder.join(format!("{name}.sym.txt")), &list)?;
+            save(self.folder.join(format!("{name}.sym.txt")), &list)?;
         }
         Ok(())
     }
@@ -46,13 +46,17 @@ impl BenchmarkWriter {
     /// # Errors
     /// [`ShrecError::Write`].
     pub fn transformed(&self, name: &ShapeName, shape: &Transformed) -> Result<(), ShrecError> {
-        write(name.mesh_path(&self.folder), &off(&shape.mesh))?;
-        write(name.corr_path(&self.folder), &corr::format(shape))
+        save(name.mesh_path(&self.folder), &off(&shape.mesh))?;
+        save(name.corr_path(&self.folder), &corr::format(shape))
     }
 }
 
-fn write(path: PathBuf, text: &str) -> Result<(), ShrecError> {
-    fs::write(&path, text).map_err(|source| ShrecError::Write { path, source })
+/// Under another name first: a file that is there is whole, even after an interruption.
+pub(super) fn save(path: PathBuf, text: &str) -> Result<(), ShrecError> {
+    let mut part = path.clone().into_os_string();
+    part.push(".part");
+    let written = fs::write(&part, text).and_then(|()| fs::rename(&part, &path));
+    written.map_err(|source| ShrecError::Write { path, source })
 }
 
 /// As OFF, with all digits: what is read again is the same mesh.
