@@ -1,0 +1,202 @@
+use mser3d::descriptors::TimeScale;
+use mser3d_viewer::{
+    Colours, Cut, Image, Model, NO_REGION, PageData, PageMatch, PageRegion, PageShape, PageTree, Panel,
+    RenderOptions, Rgb, Up, View, linked_colours, page, render,
+};
+
+use crate::{Results, ResultsError};
+
+/// A region of one shape matched with one of another, and how far apart their descriptors are.
+pub type Match = PageMatch;
+
+impl Results {
+    /// The surface with its regions in their colours.
+    ///
+    /// # Errors
+    /// [`ResultsError::Viewer`].
+    pub fn model(&self) -> Result<Model, ResultsError> {
+        self.coloured_model(&self.colours())
+    }
+
+    /// The same with other colours, such as those of another shape's matched regions.
+    ///
+    /// # Errors
+    /// [`ResultsError::Viewer`], also when there is not one colour per region.
+    pub fn coloured_model(&self, colours: &[Rgb]) -> Result<Model, ResultsError> {
+        let labels = self.vertex_region();
+        Ok(Model::from_mesh(&self.mesh, Colours::Regions { labels: &labels, colours })?)
+    }
+
+    /// The surface cut open, and the regions inside. Of a surface without voxels, only cut.
+    ///
+    /// # Errors
+    /// [`ResultsError::Viewer`].
+    pub fn section(&self, cut: &Cut) -> Result<Model, ResultsError> {
+        let Some(grid) = &self.grid else { return self.model() };
+        let (labels, colours) = (self.vertex_region(), self.colours());
+        let voxels: Vec<Rgb> = self.voxel_region().iter().map(|&l| colour(&colours, l)).collect();
+        let surface = Colours::Regions { labels: &labels, colours: &colours };
+        Ok(Model::from_section(&self.mesh, surface, grid, &voxels, cut)?)
+    }
+
+    /// The voxels in the colours of their regions, those beyond a cut left out; `None` for a surface.
+    ///
+    /// # Errors
+    /// [`ResultsError::Viewer`].
+    pub fn voxel_model(&self, cut: Option<&Cut>) -> Result<Option<Model>, ResultsError> {
+        let Some(grid) = &self.grid else { return Ok(None) };
+        let colours = self.colours();
+        let voxels: Vec<Rgb> = self.voxel_region().iter().map(|&l| colour(&colours, l)).collect();
+        Ok(Some(Model::from_voxels(grid, &voxels, cut)?))
+    }
+
+    /// The plane that halves the shape and shows its front opened: across its depth.
+    pub fn middle_cut(&self, up: Up) -> Option<Cut> {
+        let bounds = self.mesh.bounding_box()?;
+        Some(match up {
+            Up::Y => Cut::across(&bounds, 2, 0.5),
+            Up::Z => Cut::across(&bounds, 1, 0.5).flipped(),
+        })
+    }
+
+    /// One sheet: the regions from four sides and, of a volume, inside.
+    ///
+    /// # Errors
+    /// [`ResultsError::Viewer`].
+    pub fn sheet(&self, options: &RenderOptions) -> Result<Image, ResultsError> {
+        let model = self.model()?;
+        let mut panels = Panel::around(&model);
+        let cut = self.middle_cut(options.up).filter(|_| self.grid.is_some());
+        let inside = cut.map(|cut| self.section(&cut)).transpose()?;
+        if let Some(model) = &inside {
+            panels.push(Panel { model, view: View::THREE_QUARTER, caption: "inside".to_owned() });
+        }
+        Ok(render(&panels, options)?)
+    }
+
+    /// A page that shows these results in a browser.
+    ///
+    /// # Errors
+    /// [`ResultsError::Viewer`].
+    pub fn page(&self, title: &str, up: Up) -> Result<String, ResultsError> {
+        let shapes = vec![self.page_shape(&self.name())];
+        Ok(page(&PageData { title: title.to_owned(), shapes, matches: Vec::new(), up })?)
+    }
+
+    /// A page of two shapes beside each other. Regions of the second have the colours of those they
+    /// are matched with; [`NO_REGION`] if they are not.
+    ///
+    /// # Errors
+    /// [`ResultsError::Viewer`], also for a match of regions that are not there.
+    pub fn match_page(
+        &self,
+        other: &Self,
+        matches: &[Match],
+        title: &str,
+        up: Up,
+    ) -> Result<String, ResultsError> {
+        let mut second = other.page_shape(&other.name());
+        let colours = matched_colours(self, other, matches);
+        second.regions.iter_mut().zip(colours).for_each(|(region, colour)| region.colour = colour);
+        let shapes = vec![self.page_shape(&self.name()), second];
+        Ok(page(&PageData { title: title.to_owned(), shapes, matches: matches.to_vec(), up })?)
+    }
+
+    /// Both shapes from the front and from behind, matched regions in equal colours.
+    ///
+    /// # Errors
+    /// [`ResultsError::Viewer`].
+    pub fn match_sheet(
+        &self,
+        other: &Self,
+        matches: &[Match],
+        options: &RenderOptions,
+    ) -> Result<Image, ResultsError> {
+        let models = [self.model()?, other.coloured_model(&matched_colours(self, other, matches))?];
+        let names = [self.name(), other.name()];
+        let panels: Vec<Panel<'_>> = [View::THREE_QUARTER, View { azimuth: 215.0, elevation: 12.0 }]
+            .into_iter()
+            .flat_map(|view| models.iter().zip(&names).map(move |(model, name)| (model, name, view)))
+            .map(|(model, name, view)| Panel { model, view, caption: name.clone() })
+            .collect();
+        Ok(render(&panels, options)?)
+    }
+
+    /// These results as one shape of a page.
+    pub fn page_shape(&self, name: &str) -> PageShape<'_> {
+        let colours = self.colours();
+        let regions = self.record.regions.iter().enumerate().map(|(id, r)| PageRegion {
+            colour: colours[id],
+            parent: r.parent,
+            altitude: r.altitude,
+            stability: r.stability,
+            volume: r.volume,
+            volume_fraction: r.volume_fraction,
+            vertices: &self.region_vertices[id],
+            voxels: &self.region_voxels[id],
+            node: self.node(id).map(|node| [r.tree, node]),
+        });
+        let trees = self.record.trees.iter().zip(&self.trees).map(|(record, tree)| PageTree {
+            name: tree_name(record.time_scale),
+            superlevel: self.record.superlevel(),
+            parents: &tree.parents,
+            altitudes: &tree.altitudes,
+            volumes: &tree.volumes,
+            entry: &tree.entry,
+        });
+        PageShape {
+            name: name.to_owned(),
+            mesh: &self.mesh,
+            grid: self.grid.as_ref(),
+            regions: regions.collect(),
+            trees: trees.collect(),
+            facts: self.facts(),
+        }
+    }
+
+    /// The input's file name, without folder and ending.
+    pub fn name(&self) -> String {
+        let path = self.record.path().map(std::path::Path::new);
+        let stem = path.and_then(|p| p.file_stem()).map(|s| s.to_string_lossy().into_owned());
+        stem.unwrap_or_else(|| "shape".to_owned())
+    }
+
+    fn facts(&self) -> Vec<[String; 2]> {
+        let fact = |name: &str, value: String| [name.to_owned(), value];
+        let mut facts = vec![
+            fact("vertices", self.mesh.vertices().len().to_string()),
+            fact("triangles", self.mesh.triangles().len().to_string()),
+        ];
+        if let Some(grid) = &self.grid {
+            facts.push(fact("voxels", grid.len().to_string()));
+            facts.push(fact("pitch", format!("{:.4}", grid.frame().spacing()[0])));
+        }
+        facts.push(fact("eigenpairs", self.eigenvalues.len().to_string()));
+        if let Some(path) = self.record.path() {
+            facts.push(fact("input", path.to_owned()));
+        }
+        if let Some(weight) = self.record.more.get("parameters").and_then(|p| p["weight"].as_str()) {
+            facts.push(fact("weight", weight.to_owned()));
+        }
+        facts.push(fact("mser3d", self.record.mser3d.clone()));
+        facts
+    }
+}
+
+fn tree_name(scale: Option<TimeScale>) -> String {
+    match scale {
+        Some(TimeScale::Relative(t)) => format!("t_rel = {t}"),
+        Some(TimeScale::Absolute(t)) => format!("t = {t}"),
+        None => "commute time".to_owned(),
+    }
+}
+
+/// The colours of the second shape's regions: those of the first's that they are matched with.
+pub fn matched_colours(first: &Results, second: &Results, matches: &[Match]) -> Vec<Rgb> {
+    let pairs: Vec<[u32; 2]> = matches.iter().map(|m| [m.first, m.second]).collect();
+    linked_colours(&first.colours(), &pairs, second.record.regions.len())
+}
+
+fn colour(colours: &[Rgb], label: i32) -> Rgb {
+    usize::try_from(label).ok().and_then(|l| colours.get(l)).copied().unwrap_or(NO_REGION)
+}

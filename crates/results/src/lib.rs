@@ -1,0 +1,64 @@
+//! What mser3d finds, as a folder of files, as pictures and as a page.
+//!
+//! [`Results`] is the one type between [`mser3d::Features`] and whatever shows or compares them: the
+//! command line, the evaluation and the figures. It is written by [`Results::write`], read by
+//! [`Results::load`], and drawn by [`Results::sheet`], [`Results::page`] and their relatives.
+//!
+//! # The folder
+//! | file | what it holds |
+//! |---|---|
+//! | `regions.json` | [`Record`]: version, input, parameters, warnings, trees, and the numbers of each region |
+//! | `features.npz` | the arrays below |
+//! | `surface.ply` | the mesh; colour and innermost region per vertex (none for a solid given as voxels) |
+//! | `volume.vti` | innermost region per voxel (volumes only) |
+//!
+//! | array in `features.npz` | type and shape | meaning |
+//! |---|---|---|
+//! | `vertex_region` | int32, vertices | innermost region of each vertex, -1 for none |
+//! | `region_vertices`, `region_vertices_start` | uint32; int64, regions + 1 | vertices of region i: `region_vertices[start[i]:start[i+1]]` |
+//! | `region_voxels`, `region_voxels_start` | as above | voxels of each region |
+//! | `voxel_index` | uint32, voxels x 3 | place of each voxel in the grid, x fastest |
+//! | `voxel_region` | int32, voxels | innermost region of each voxel, -1 for none |
+//! | `grid_origin`, `pitch` | float64, 3; a number (or 3) | a voxel's centre is `grid_origin + pitch * (index + 0.5)` |
+//! | `eigenvalues` | float64 | in length^-2 |
+//! | `region_descriptor` | float64, regions x q | rows in the order of `regions.json` |
+//! | `tree0_parent`, `tree0_altitude`, `tree0_volume`, ... | int32, float64, float64, nodes | a component tree, children first; -1 for a root |
+//! | `tree0_entry`, ... | uint32, voxels or vertices | the node in which each enters |
+//!
+//! ```
+//! use mser3d::{Domain, Parameters, detect};
+//! use mser3d_results::Results;
+//! # use mser3d::shape::TriangleMesh;
+//! # let corners = (0..8u32).map(|i| [f64::from(i & 1), f64::from(i >> 1 & 1), 3.0 * f64::from(i >> 2)]).collect();
+//! # let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+//! # let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+//! # let mesh = TriangleMesh::new(corners, triangles)?;
+//! # let mut parameters = Parameters::default();
+//! # parameters.voxelize.pitch = mser3d::voxelize::Pitch::Voxels(1500);
+//! # parameters.spectrum.eigenpairs = 20;
+//! # let folder = std::env::temp_dir().join(format!("mser3d-results-{}", std::process::id()));
+//! let features = detect(&mesh, Domain::Volume, &parameters, &mser3d::no_progress)?;
+//! let results = Results::new(&features, Some(&mesh), "bar.off")?;
+//! results.write(&folder)?;
+//!
+//! let read = Results::load(&folder)?;
+//! assert_eq!(read.record.regions.len(), features.regions.len());
+//! let html = read.page("A bar", mser3d_results::Up::Y)?;
+//! assert!(html.starts_with("<!DOCTYPE html>"));
+//! # std::fs::remove_dir_all(&folder)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+#![warn(missing_docs)]
+
+mod draw;
+mod error;
+mod load;
+mod record;
+mod results;
+mod write;
+
+pub use draw::{Match, matched_colours};
+pub use error::ResultsError;
+pub use mser3d_viewer::{Image, RenderOptions, Up};
+pub use record::{FORMAT, Record, RegionRecord, TreeRecord};
+pub use results::{Results, TreeArrays};

@@ -1,0 +1,208 @@
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use mser3d_meshio::{NpyArray, NpyValues, ReadOptions, read_mesh, read_npz};
+use mser3d_shape::{BitGrid, Domain, Frame, TriangleMesh, VoxelGrid};
+use serde_json::Value;
+
+use crate::{FORMAT, Record, Results, ResultsError, TreeArrays};
+
+impl Results {
+    /// Reads a folder that [`Results::write`] wrote, and checks that its files belong together.
+    ///
+    /// The grid comes back without the links that the voxelizer cut; trees are read if they are there.
+    ///
+    /// # Errors
+    /// [`ResultsError::NotAResult`], [`ResultsError::OtherFormat`], [`ResultsError::Broken`],
+    /// [`ResultsError::Io`] or [`ResultsError::File`], naming the file.
+    pub fn load(folder: &Path) -> Result<Self, ResultsError> {
+        let record = read_record(folder)?;
+        let path = folder.join("features.npz");
+        let mut arrays = Arrays { arrays: read_npz(&path)?, path };
+        let regions = record.regions.len();
+        let eigenvalues = arrays.take("eigenvalues", numbers)?;
+        let descriptors = arrays.take("region_descriptor", numbers)?;
+        let descriptor_width = descriptors.len().checked_div(regions).unwrap_or(0);
+        arrays.length("region_descriptor", descriptors.len(), regions * descriptor_width)?;
+        let (mut grid, mut region_voxels) = (None, vec![Vec::new(); regions]);
+        if record.domain == Domain::Volume {
+            let solid = arrays.grid()?;
+            region_voxels = arrays.lists("region_voxels", regions, solid.len())?;
+            grid = Some(solid);
+        }
+        // A solid that was given as voxels has no mesh.
+        let surface = folder.join("surface.ply");
+        let has_mesh = grid.is_none() || surface.exists() || arrays.holds_vertices();
+        let (mut mesh, mut region_vertices) = (TriangleMesh::new(Vec::new(), Vec::new())?, Vec::new());
+        if has_mesh {
+            mesh = read_mesh(&surface, &ReadOptions::default())?.mesh;
+            let vertices = mesh.vertices().len();
+            let labels = arrays.take("vertex_region", integers)?;
+            arrays.length("vertex_region", labels.len(), vertices)?;
+            region_vertices = arrays.lists("region_vertices", regions, vertices)?;
+        }
+        let elements = grid.as_ref().map_or(mesh.vertices().len(), VoxelGrid::len);
+        let mut trees = Vec::new();
+        for number in 0..record.trees.len() {
+            if arrays.arrays.contains_key(&format!("tree{number}_parent")) {
+                trees.push(arrays.tree(number, elements)?);
+            }
+        }
+        if trees.len() < record.trees.len() {
+            trees.clear();
+        }
+        for (region, voxels) in record.regions.iter().zip(&region_voxels) {
+            let vertices = region_vertices.get(region.id as usize).map_or(region.vertices, Vec::len);
+            if region.voxels.is_some_and(|n| n != voxels.len()) || vertices != region.vertices {
+                let reason = format!("region {} is not that of regions.json", region.id);
+                return Err(arrays.broken(reason));
+            }
+        }
+        let results = Self {
+            record,
+            mesh,
+            mesh_of_voxels: false,
+            grid,
+            region_vertices,
+            region_voxels,
+            eigenvalues,
+            descriptor_width,
+            descriptors,
+            trees,
+        };
+        if has_mesh { Ok(results) } else { results.with_voxel_surface() }
+    }
+}
+
+fn read_record(folder: &Path) -> Result<Record, ResultsError> {
+    let path = folder.join("regions.json");
+    let text = std::fs::read(&path).map_err(|error| match error.kind() {
+        std::io::ErrorKind::NotFound => ResultsError::NotAResult { folder: folder.to_owned() },
+        _ => ResultsError::Io { path: path.clone(), error },
+    })?;
+    let broken = |e: serde_json::Error| ResultsError::Broken { path: path.clone(), reason: e.to_string() };
+    // The format first: another one may lack anything else.
+    let value: Value = serde_json::from_slice(&text).map_err(broken)?;
+    let found = value["format"].as_u64().unwrap_or(0);
+    if found != FORMAT {
+        let version = value["mser3d"].as_str().unwrap_or("of unknown version").to_owned();
+        return Err(ResultsError::OtherFormat { path, version, found, expected: FORMAT });
+    }
+    let record: Record = serde_json::from_value(value).map_err(broken)?;
+    let (regions, trees) = (record.regions.len(), record.trees.len());
+    for (place, region) in record.regions.iter().enumerate() {
+        let known = region.id as usize == place
+            && region.parent.is_none_or(|p| (p as usize) < regions)
+            && (region.tree as usize) < trees;
+        if !known {
+            let reason = format!("region {} names a region or tree that is not there", region.id);
+            return Err(ResultsError::Broken { path, reason });
+        }
+    }
+    Ok(record)
+}
+
+/// The arrays of `features.npz`.
+struct Arrays {
+    path: PathBuf,
+    arrays: BTreeMap<String, NpyArray<'static>>,
+}
+
+impl Arrays {
+    fn broken(&self, reason: String) -> ResultsError {
+        ResultsError::Broken { path: self.path.clone(), reason }
+    }
+
+    /// Whether there was a mesh when the arrays were written.
+    fn holds_vertices(&self) -> bool {
+        self.arrays.get("vertex_region").is_some_and(|array| !array.values().is_empty())
+    }
+
+    fn take<T>(
+        &mut self,
+        name: &str,
+        convert: fn(&NpyValues<'_>) -> Option<Vec<T>>,
+    ) -> Result<Vec<T>, ResultsError> {
+        let array = self.arrays.remove(name);
+        let array = array.ok_or_else(|| self.broken(format!("there is no array {name}")))?;
+        convert(array.values())
+            .ok_or_else(|| self.broken(format!("array {name} holds values of another type")))
+    }
+
+    fn length(&self, name: &str, found: usize, expected: usize) -> Result<(), ResultsError> {
+        if found == expected {
+            return Ok(());
+        }
+        Err(self.broken(format!("array {name} has {found} values, but the other files need {expected}")))
+    }
+
+    /// Numbers below `count`.
+    fn indices(&mut self, name: &str, count: usize) -> Result<Vec<u32>, ResultsError> {
+        let values = self.take(name, integers)?;
+        let checked = values.iter().map(|&v| u32::try_from(v).ok().filter(|&v| (v as usize) < count));
+        let indices: Option<Vec<u32>> = checked.collect();
+        indices.ok_or_else(|| self.broken(format!("array {name} names something beyond {count}")))
+    }
+
+    /// Lists one after another, cut by `NAME_start`.
+    fn lists(&mut self, name: &str, lists: usize, count: usize) -> Result<Vec<Vec<u32>>, ResultsError> {
+        let all = self.indices(name, count)?;
+        let starts = self.indices(&format!("{name}_start"), all.len() + 1)?;
+        self.length(&format!("{name}_start"), starts.len(), lists + 1)?;
+        let slice = |w: &[u32]| all.get(w[0] as usize..w[1] as usize).map(<[u32]>::to_vec);
+        let cut: Option<Vec<Vec<u32>>> = starts.windows(2).map(slice).collect();
+        cut.ok_or_else(|| self.broken(format!("array {name}_start does not ascend")))
+    }
+
+    fn grid(&mut self) -> Result<VoxelGrid, ResultsError> {
+        let index = self.indices("voxel_index", 1 << 24)?;
+        let (index, rest) = index.as_chunks::<3>();
+        let origin = self.take("grid_origin", numbers)?;
+        let pitch = self.take("pitch", numbers)?;
+        let origin: Option<[f64; 3]> = origin.try_into().ok();
+        let pitch: Option<[f64; 3]> = match pitch[..] {
+            [h] => Some([h; 3]),
+            _ => pitch.try_into().ok(),
+        };
+        let (Some(origin), Some(pitch), true) = (origin, pitch, rest.is_empty()) else {
+            return Err(self.broken("the arrays of the grid have wrong shapes".into()));
+        };
+        let dims = std::array::from_fn(|a| index.iter().map(|v| v[a] as usize + 1).max().unwrap_or(0));
+        let mut inside = BitGrid::empty(dims)?;
+        index.iter().for_each(|&v| inside.set(v, true));
+        if !inside.ones().eq(index.iter().copied()) {
+            return Err(self.broken("array voxel_index is not in the order of a grid, x fastest".into()));
+        }
+        Ok(VoxelGrid::solid(Frame::new(dims, origin, pitch)?, inside)?)
+    }
+
+    fn tree(&mut self, number: usize, elements: usize) -> Result<TreeArrays, ResultsError> {
+        let name = |array: &str| format!("tree{number}_{array}");
+        let parents = self.take(&name("parent"), integers)?;
+        let altitudes = self.take(&name("altitude"), numbers)?;
+        let volumes = self.take(&name("volume"), numbers)?;
+        let entry = self.indices(&name("entry"), parents.len())?;
+        self.length(&name("altitude"), altitudes.len(), parents.len())?;
+        self.length(&name("volume"), volumes.len(), parents.len())?;
+        self.length(&name("entry"), entry.len(), elements)?;
+        let parents = parents.into_iter().map(|p| u32::try_from(p).unwrap_or(u32::MAX)).collect();
+        Ok(TreeArrays { parents, altitudes, volumes, entry })
+    }
+}
+
+fn integers(values: &NpyValues<'_>) -> Option<Vec<i64>> {
+    match values {
+        NpyValues::I32(v) => Some(v.iter().map(|&x| x.into()).collect()),
+        NpyValues::U32(v) => Some(v.iter().map(|&x| x.into()).collect()),
+        NpyValues::I64(v) => Some(v.to_vec()),
+        _ => None,
+    }
+}
+
+fn numbers(values: &NpyValues<'_>) -> Option<Vec<f64>> {
+    match values {
+        NpyValues::F64(v) => Some(v.to_vec()),
+        NpyValues::F32(v) => Some(v.iter().map(|&x| x.into()).collect()),
+        _ => None,
+    }
+}

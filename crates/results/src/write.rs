@@ -1,0 +1,114 @@
+use std::io::Write;
+use std::path::Path;
+
+use mser3d_meshio::{
+    NpyArray, VertexAttributes, VoxelField, VoxelValues, write_atomically, write_npz, write_ply, write_vti,
+};
+use mser3d_shape::Frame;
+use mser3d_viewer::NO_REGION;
+
+use crate::{Results, ResultsError};
+
+const FILES: [&str; 4] = ["regions.json", "features.npz", "surface.ply", "volume.vti"];
+
+impl Results {
+    /// Writes the whole folder, which is made if it is not there: the files of
+    /// [`write_files`](Self::write_files), and `regions.json` from the record.
+    ///
+    /// # Errors
+    /// [`ResultsError::Io`] or [`ResultsError::File`], naming the file.
+    pub fn write(&self, folder: &Path) -> Result<(), ResultsError> {
+        let at = |error, path: &Path| ResultsError::Io { path: path.to_owned(), error };
+        std::fs::create_dir_all(folder).map_err(|e| at(e, folder))?;
+        self.write_files(folder, Vec::new())?;
+        let path = folder.join("regions.json");
+        let text = serde_json::to_string_pretty(&self.record).map_err(|e| at(e.into(), &path))?;
+        Ok(write_atomically(&path, |out| writeln!(out, "{text}"))?)
+    }
+
+    /// Writes `features.npz` (with more arrays, if some are given), `surface.ply` of a mesh and
+    /// `volume.vti` of a volume.
+    ///
+    /// All four files of an older result go first, `regions.json` before the others: while it is
+    /// there, the others belong to it. Each file appears whole or not at all, and the same results
+    /// make the same bytes.
+    ///
+    /// # Errors
+    /// [`ResultsError::Io`] or [`ResultsError::File`], naming the file.
+    pub fn write_files(&self, folder: &Path, more: Vec<(&str, NpyArray<'_>)>) -> Result<(), ResultsError> {
+        for name in FILES {
+            let path = folder.join(name);
+            match std::fs::remove_file(&path) {
+                Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                    return Err(ResultsError::Io { path, error });
+                }
+                _ => {}
+            }
+        }
+        let vertex_region = self.vertex_region();
+        let voxel_region = self.voxel_region();
+        let mut arrays = Vec::new();
+        if !self.mesh_of_voxels {
+            arrays.push(("vertex_region".to_owned(), NpyArray::flat(&vertex_region[..])));
+            arrays.extend(lists("region_vertices", &self.region_vertices));
+        }
+        arrays.extend(more.into_iter().map(|(name, array)| (name.to_owned(), array)));
+        if let Some(grid) = &self.grid {
+            let index: Vec<u32> = grid.voxels().flatten().collect();
+            arrays.push(("voxel_region".to_owned(), NpyArray::flat(&voxel_region[..])));
+            arrays.extend(lists("region_voxels", &self.region_voxels));
+            arrays.push(("voxel_index".to_owned(), NpyArray::new(&[grid.len(), 3], index)?));
+            arrays.push(("grid_origin".to_owned(), NpyArray::flat(grid.frame().origin().to_vec())));
+            arrays.push(("pitch".to_owned(), pitch(grid.frame())?));
+        }
+        let shape = [self.record.regions.len(), self.descriptor_width];
+        arrays.push(("eigenvalues".to_owned(), NpyArray::flat(&self.eigenvalues[..])));
+        arrays.push(("region_descriptor".to_owned(), NpyArray::new(&shape, &self.descriptors[..])?));
+        arrays.extend(self.tree_arrays());
+        let arrays: Vec<(&str, NpyArray<'_>)> =
+            arrays.iter().map(|(name, array)| (name.as_str(), array.clone())).collect();
+        write_npz(&folder.join("features.npz"), &arrays)?;
+
+        if !self.mesh_of_voxels {
+            let colours = self.colours();
+            let colour = |&label: &i32| usize::try_from(label).map_or(NO_REGION, |l| colours[l]).0;
+            let colors: Vec<[u8; 3]> = vertex_region.iter().map(colour).collect();
+            let attributes =
+                VertexAttributes { colors: Some(&colors), regions: Some(&vertex_region), normals: None };
+            write_ply(&folder.join("surface.ply"), &self.mesh, &attributes)?;
+        }
+        if let Some(grid) = &self.grid {
+            let field = VoxelField { name: "region", values: VoxelValues::Labels(&voxel_region) };
+            write_vti(&folder.join("volume.vti"), grid, &[field])?;
+        }
+        Ok(())
+    }
+
+    fn tree_arrays(&self) -> impl Iterator<Item = (String, NpyArray<'_>)> {
+        self.trees.iter().enumerate().flat_map(|(number, tree)| {
+            // In numpy -1 is handier for a root than 2^32 - 1.
+            let parents: Vec<i32> = tree.parents.iter().map(|&p| p as i32).collect();
+            [
+                (format!("tree{number}_parent"), NpyArray::flat(parents)),
+                (format!("tree{number}_altitude"), NpyArray::flat(&tree.altitudes[..])),
+                (format!("tree{number}_volume"), NpyArray::flat(&tree.volumes[..])),
+                (format!("tree{number}_entry"), NpyArray::flat(&tree.entry[..])),
+            ]
+        })
+    }
+}
+
+/// Lists one after another, and where each begins and the last ends.
+fn lists(name: &str, lists: &[Vec<u32>]) -> [(String, NpyArray<'static>); 2] {
+    let mut starts = vec![0i64];
+    for list in lists {
+        starts.push(starts[starts.len() - 1] + list.len() as i64);
+    }
+    [(name.to_owned(), NpyArray::flat(lists.concat())), (format!("{name}_start"), NpyArray::flat(starts))]
+}
+
+/// One number for cubes, else one per axis: `origin + pitch * (index + 0.5)` holds in numpy for both.
+fn pitch(frame: &Frame) -> Result<NpyArray<'static>, ResultsError> {
+    let [x, y, z] = frame.spacing();
+    Ok(if x == y && y == z { NpyArray::new(&[], vec![x])? } else { NpyArray::flat(vec![x, y, z]) })
+}

@@ -1,0 +1,199 @@
+//! A folder gives back what was written, and says what is wrong with it.
+
+use std::path::Path;
+use std::sync::LazyLock;
+
+use mser3d::shape::TriangleMesh;
+use mser3d::voxelize::Pitch;
+use mser3d::{Domain, Parameters, detect, no_progress};
+use mser3d_results::{Match, RenderOptions, Results, Up};
+
+/// A dumbbell: two balls on a bar, around the x axis.
+fn dumbbell() -> TriangleMesh {
+    let (rings, sectors) = (60u32, 24u32);
+    let radius = |x: f64| {
+        let ball = (1.0 - (x.abs() - 2.0).powi(2)).max(0.0).sqrt();
+        if x.abs() > 2.0 { ball } else { ball.max(0.35) }
+    };
+    let mut points = vec![[-3.0, 0.0, 0.0]];
+    for r in 1..rings {
+        let x = -3.0 * (std::f64::consts::PI * f64::from(r) / f64::from(rings)).cos();
+        for s in 0..sectors {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(s) / f64::from(sectors)).sin_cos();
+            points.push([x, radius(x) * cos, radius(x) * sin]);
+        }
+    }
+    points.push([3.0, 0.0, 0.0]);
+    let last = points.len() as u32 - 1;
+    let at = |r: u32, s: u32| 1 + (r - 1) * sectors + s % sectors;
+    let mut triangles = Vec::new();
+    for s in 0..sectors {
+        triangles.push([0, at(1, s + 1), at(1, s)]);
+        for r in 1..rings - 1 {
+            triangles.push([at(r, s), at(r + 1, s + 1), at(r + 1, s)]);
+            triangles.push([at(r, s), at(r, s + 1), at(r + 1, s + 1)]);
+        }
+        triangles.push([at(rings - 1, s), at(rings - 1, s + 1), last]);
+    }
+    TriangleMesh::new(points, triangles).unwrap()
+}
+
+fn parameters() -> Parameters {
+    let mut parameters = Parameters::default();
+    parameters.voxelize.pitch = Pitch::Voxels(3000);
+    parameters.spectrum.eigenpairs = 30;
+    parameters
+}
+
+const PATH: &str = "shapes/dumbbell.off";
+
+static VOLUME: LazyLock<Results> = LazyLock::new(|| {
+    let mesh = dumbbell();
+    let features = detect(&mesh, Domain::Volume, &parameters(), &no_progress).unwrap();
+    Results::new(&features, Some(&mesh), PATH).unwrap()
+});
+
+#[test]
+fn a_volume_comes_back() {
+    let results = &*VOLUME;
+    assert!(results.record.regions.len() >= 2, "the balls are regions");
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path().join("new/out");
+    results.write(&folder).unwrap();
+    let read = Results::load(&folder).unwrap();
+    // What differs by design: the grid's empty margin and the links that were cut.
+    assert_eq!(read.record, results.record);
+    assert_eq!(read.mesh, results.mesh);
+    assert_eq!(read.region_vertices, results.region_vertices);
+    assert_eq!(read.region_voxels, results.region_voxels);
+    assert_eq!(read.trees, results.trees);
+    assert_eq!((&read.eigenvalues, &read.descriptors), (&results.eigenvalues, &results.descriptors));
+    let places = |r: &Results| -> Vec<[f64; 3]> {
+        let grid = r.grid.as_ref().unwrap();
+        grid.voxels().map(|v| grid.frame().centre(v)).collect()
+    };
+    assert_eq!(places(&read), places(results));
+    assert_eq!(read.voxel_region(), results.voxel_region());
+    assert!(folder.join("volume.vti").exists());
+}
+
+#[test]
+fn regions_name_their_nodes() {
+    let results = &*VOLUME;
+    for (id, region) in results.record.regions.iter().enumerate() {
+        let tree = &results.trees[region.tree as usize];
+        let top = results.node(id).unwrap();
+        assert!((tree.volumes[top as usize] / region.volume - 1.0).abs() < 1e-9);
+        assert_eq!(tree.altitudes[top as usize], region.altitude);
+        let own = |mut node: u32| loop {
+            if node == top {
+                break true;
+            }
+            node = tree.parents[node as usize];
+            if node == u32::MAX {
+                break false;
+            }
+        };
+        let inside = (0u32..).zip(&tree.entry).filter(|&(_, &n)| own(n)).map(|(e, _)| e);
+        assert!(inside.eq(results.region_voxels[id].iter().copied()));
+    }
+}
+
+#[test]
+fn a_surface_and_a_mask_come_back() {
+    let mesh = dumbbell();
+    let surface = detect(&mesh, Domain::Surface, &parameters(), &no_progress).unwrap();
+    let surface = Results::new(&surface, Some(&mesh), PATH).unwrap();
+    let grid = VOLUME.grid.clone().unwrap();
+    let body = mser3d::Body::solid(grid, Default::default());
+    let mask = mser3d::detect_on(body, &parameters(), &no_progress).unwrap();
+    let mask = Results::new(&mask, None, "").unwrap();
+    // The faces of the voxels stand for a mesh, and carry the regions.
+    assert!(!mask.record.regions.is_empty() && mask.vertex_region().iter().any(|&l| l >= 0));
+    for results in [surface, mask] {
+        let folder = tempfile::tempdir().unwrap();
+        results.write(folder.path()).unwrap();
+        let read = Results::load(folder.path()).unwrap();
+        assert_eq!(read.record, results.record);
+        assert_eq!(read.vertex_region(), results.vertex_region());
+        assert_eq!(read.grid.is_some(), folder.path().join("volume.vti").exists());
+        read.page("t", Up::Y).unwrap();
+        let options = RenderOptions { height: 60, ..Default::default() };
+        assert_eq!(read.sheet(&options).unwrap(), results.sheet(&options).unwrap());
+    }
+}
+
+#[test]
+fn writing_twice_makes_the_same_bytes() {
+    let [a, b] = [(); 2].map(|()| tempfile::tempdir().unwrap());
+    for folder in [&a, &b] {
+        VOLUME.write(folder.path()).unwrap();
+    }
+    for name in ["regions.json", "features.npz", "surface.ply", "volume.vti"] {
+        let read = |folder: &Path| std::fs::read(folder.join(name)).unwrap();
+        assert_eq!(read(a.path()), read(b.path()), "{name}");
+    }
+}
+
+#[test]
+fn what_is_wrong_with_a_folder_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let error = |folder: &Path| Results::load(folder).map(|_| ()).unwrap_err().to_string();
+    assert!(error(folder.path()).contains("no result; give the folder that `mser3d detect"));
+    VOLUME.write(folder.path()).unwrap();
+
+    let json = folder.path().join("regions.json");
+    let good = std::fs::read_to_string(&json).unwrap();
+    std::fs::write(&json, good.replacen("\"format\": 1", "\"format\": 7", 1)).unwrap();
+    assert!(error(folder.path()).contains("in format 7, this program reads format 1"));
+    std::fs::write(&json, &good[..good.len() / 2]).unwrap();
+    assert!(error(folder.path()).contains("regions.json: EOF"));
+    std::fs::write(&json, good.replacen("\"tree\": ", "\"tree\": 9", 1)).unwrap();
+    assert!(error(folder.path()).contains("names a region or tree that is not there"));
+
+    // A result of one shape with the arrays of another.
+    std::fs::write(&json, &good).unwrap();
+    let mesh = dumbbell();
+    let mut small = parameters();
+    small.voxelize.pitch = Pitch::Voxels(1000);
+    let other = detect(&mesh, Domain::Volume, &small, &no_progress).unwrap();
+    let other_folder = tempfile::tempdir().unwrap();
+    Results::new(&other, Some(&mesh), PATH).unwrap().write(other_folder.path()).unwrap();
+    let arrays = "features.npz";
+    std::fs::copy(other_folder.path().join(arrays), folder.path().join(arrays)).unwrap();
+    let text = error(folder.path());
+    assert!(text.contains(arrays) && text.contains("run `mser3d detect` again"), "{text}");
+    VOLUME.write(folder.path()).unwrap();
+    std::fs::remove_file(folder.path().join("surface.ply")).unwrap();
+    assert!(error(folder.path()).contains("surface.ply"));
+    VOLUME.write(folder.path()).unwrap();
+    let bytes = std::fs::read(folder.path().join(arrays)).unwrap();
+    std::fs::write(folder.path().join(arrays), &bytes[..bytes.len() / 3]).unwrap();
+    assert!(error(folder.path()).contains(arrays));
+    std::fs::remove_file(&json).unwrap();
+    std::fs::write(folder.path().join(arrays), bytes).unwrap();
+    assert!(error(folder.path()).contains("there is no regions.json"));
+}
+
+#[test]
+fn matched_regions_are_linked() {
+    let results = &*VOLUME;
+    let matches = [Match { first: 0, second: 1, distance: 0.25 }];
+    let colours = mser3d_results::matched_colours(results, results, &matches);
+    assert_eq!(colours[1], results.colours()[0]);
+    let html = results.match_page(results, &matches, "pair", Up::Y).unwrap();
+    assert!(html.contains("\"matches\":[[0,1,0.25]]"));
+    let options = RenderOptions { height: 60, ..Default::default() };
+    results.match_sheet(results, &matches, &options).unwrap();
+    let beyond = [Match { first: 0, second: 999, distance: 0.25 }];
+    assert!(results.match_page(results, &beyond, "pair", Up::Y).is_err());
+}
+
+#[test]
+fn features_of_another_mesh_are_refused() {
+    let mesh = dumbbell();
+    let features = detect(&mesh, Domain::Surface, &parameters(), &no_progress).unwrap();
+    let other = TriangleMesh::new(mesh.vertices()[1..].to_vec(), vec![[0, 1, 2]]).unwrap();
+    let error = Results::new(&features, Some(&other), PATH).unwrap_err();
+    assert!(error.to_string().starts_with("the mesh has 1417 vertices, but the features"), "{error}");
+}
