@@ -81,9 +81,9 @@ impl SlicedStencil {
         (0..self.len() as u32).map(|row| sets.find(row)).collect()
     }
 
-    /// `y = A x`.
-    pub fn apply(&self, x: &[Lanes], y: &mut [Lanes]) {
-        pulp::Arch::new().dispatch(Apply { stencil: self, x, y });
+    /// `y = A x` on some rows: y has as many as there are in `rows`.
+    pub fn apply_rows(&self, x: &[Lanes], rows: Range<usize>, y: &mut [Lanes]) {
+        pulp::Arch::new().dispatch(Apply { stencil: self, x, rows, y });
     }
 
     /// `x = p(A) x`; `work` is of the size of x and holds rubbish afterwards. Stops early when `cancelled`.
@@ -104,7 +104,7 @@ impl SlicedStencil {
         }
     }
 
-    /// `y = step.a A x + step.x x + step.previous y` on a range of rows.
+    /// `y = step.a A x + step.x x + step.previous y` on a range of rows; y is that range.
     #[inline(always)]
     fn step<S: Simd>(&self, simd: S, step: Step, x: &[Lanes], y: &mut [Lanes], rows: Range<usize>) {
         let [wx, wy, wz] = self.weights.map(|w| simd.splat_f64s(-step.a * w));
@@ -112,7 +112,7 @@ impl SlicedStencil {
         let previous = simd.splat_f64s(step.previous);
         // A row is one vector with AVX-512, two with AVX2, eight numbers without SIMD.
         let width = LANES / S::F64_LANES;
-        let centres = x[rows.clone()].iter().zip(&mut y[rows.clone()]);
+        let centres = x[rows.clone()].iter().zip(y);
         for (around, (centre, target)) in self.neighbours[rows].iter().zip(centres) {
             let lanes = around.map(|u| S::as_simd_f64s(&x[u as usize].0).0);
             let (centre, target) = (S::as_simd_f64s(&centre.0).0, S::as_mut_simd_f64s(&mut target.0).0);
@@ -132,6 +132,7 @@ impl SlicedStencil {
 struct Apply<'a> {
     stencil: &'a SlicedStencil,
     x: &'a [Lanes],
+    rows: Range<usize>,
     y: &'a mut [Lanes],
 }
 
@@ -141,7 +142,7 @@ impl WithSimd for Apply<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let step = Step { a: 1.0, x: 0.0, previous: 0.0 };
-        self.stencil.step(simd, step, self.x, self.y, 0..self.stencil.len());
+        self.stencil.step(simd, step, self.x, self.y, self.rows);
     }
 }
 
@@ -168,7 +169,7 @@ impl WithSimd for Waves<'_> {
                     } else {
                         (&*self.second, &mut *self.first)
                     };
-                    self.stencil.step(simd, *step, x, y, rows);
+                    self.stencil.step(simd, *step, x, &mut y[rows.clone()], rows);
                 }
             }
         }

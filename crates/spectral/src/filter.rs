@@ -7,7 +7,7 @@
 //! (Rayleigh-Ritz), measures true residuals, and locks what has converged. Nothing is factorized;
 //! memory is that of the subspace.
 
-use std::ops::{ControlFlow, Range};
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use faer::Mat;
@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use crate::chebyshev::{Polynomial, SlicedStencil};
 use crate::solve::coarse_eigenpairs;
 use crate::standard::NullSpace;
-use crate::tall::{LANES, Lanes, Noise, Tall, orthonormal_combinations, small_eigen};
+use crate::tall::{Block, LANES, Lanes, Noise, Tall, orthonormal_combinations, small_eigen};
 use crate::{SpectralError, SpectrumParameters};
 
 /// Columns of noise beside the coarse vectors: they catch what the coarse grid cannot see.
@@ -27,8 +27,6 @@ const NOISE: usize = LANES;
 const COARSE_ROWS: usize = 30;
 /// Largest growth, as a logarithm, of unwanted low modes in a pass: beyond e^16 they hide the others.
 const GROWTH: f64 = 6.0;
-/// Blocks of images A V held at a time.
-const IMAGES: usize = 4;
 
 /// Converged eigenpairs of the standard problem without its null space.
 pub(crate) struct Filtered {
@@ -175,7 +173,7 @@ impl Iteration {
         let limit = (safe / (rate(low) - slowest).max(1e-12)).max(8.0);
         let degree = |column: usize| {
             let column = column.min(wanted - 1);
-            let missing = (self.residuals[column] / (0.1 * tolerance)).max(10.0).ln();
+            let missing = (self.residuals[column] / (0.3 * tolerance)).max(10.0).ln();
             (missing / rate(self.values[column]).max(1e-12)).min(limit).ceil() as usize
         };
         // Blocks that hold a free column; locked columns among them are filtered too and put back.
@@ -214,10 +212,12 @@ impl Iteration {
                     self.subspace.subtract_within(0..locked, overlaps.as_ref(), locked);
                 }
             }
-            let gram = self.subspace.self_gram(locked..columns);
+            let image = |x: &Block, rows, y: &mut [Lanes]| self.stencil.apply_rows(x, rows, y);
+            let (gram, energy) = self.subspace.gram_and_energy(locked..columns, image);
+            self.applications += columns - locked;
             let (basis, condition) =
                 orthonormal_combinations(&gram).ok_or(SpectralError::DenseEigenproblem)?;
-            let energy = self.energy(locked..columns);
+            let energy = Mat::from_fn(energy.nrows(), energy.ncols(), |i, j| energy[(i.max(j), i.min(j))]);
             let reduced = basis.transpose() * &energy * &basis;
             let (values, rotation) = small_eigen(&reduced).ok_or(SpectralError::DenseEigenproblem)?;
             let combination = &basis * &rotation;
@@ -228,7 +228,7 @@ impl Iteration {
             self.values.resize(columns, self.stencil.bound());
             if found < columns - locked {
                 self.refill(locked + found);
-            } else if condition < 1e6 || round == 3 {
+            } else if condition < 1e8 || round == 3 {
                 break;
             }
         }
@@ -242,54 +242,15 @@ impl Iteration {
         self.null_space.project_out(&mut self.subspace);
     }
 
-    /// `V^T A V` over some columns, symmetric.
-    fn energy(&mut self, columns: Range<usize>) -> Mat<f64> {
-        let mut energy = Mat::<f64>::zeros(columns.len(), columns.len());
-        let mut images = Tall::zeros(self.stencil.len(), IMAGES * LANES);
-        for from in (columns.start / LANES * LANES..columns.end).step_by(IMAGES * LANES) {
-            self.images(from, &mut images);
-            let block = from.max(columns.start)..(from + IMAGES * LANES).min(columns.end);
-            let part =
-                self.subspace.gram(block.start..columns.end, &images, block.start - from..block.end - from);
-            let offset = block.start - columns.start;
-            for j in 0..part.ncols() {
-                for i in j..part.nrows() {
-                    energy[(offset + i, offset + j)] = part[(i, j)];
-                    energy[(offset + j, offset + i)] = part[(i, j)];
-                }
-            }
-        }
-        energy
-    }
-
-    /// `A V` of the blocks from column `from` on, as many as `images` holds.
-    fn images(&mut self, from: usize, images: &mut Tall) {
-        let blocks = &self.subspace.blocks()[from / LANES..];
-        let tasks = images.blocks_mut().par_iter_mut().zip(blocks);
-        tasks.for_each(|(y, x)| self.stencil.apply(x, y));
-        self.applications += LANES * blocks.len().min(IMAGES);
-    }
-
     /// Measures the residuals of the free columns and locks the leading ones below the tolerance.
     fn lock(&mut self, tolerance: f64) {
-        let mut images = Tall::zeros(self.stencil.len(), IMAGES * LANES);
-        for from in (self.locked / LANES * LANES..self.columns()).step_by(IMAGES * LANES) {
-            self.images(from, &mut images);
-            let (values, blocks) = (&self.values, &self.subspace.blocks()[from / LANES..]);
-            let tasks = images.blocks_mut().par_iter_mut().zip(blocks).enumerate();
-            tasks.for_each(|(b, (image, block))| {
-                let theta: [f64; LANES] =
-                    std::array::from_fn(|l| values.get(from + b * LANES + l).copied().unwrap_or(0.0));
-                for (y, x) in image.iter_mut().zip(block) {
-                    (0..LANES).for_each(|l| y.0[l] -= theta[l] * x.0[l]);
-                }
-            });
-            let norms = images.column_norms();
-            let block = from.max(self.locked)..(from + IMAGES * LANES).min(self.columns());
-            for column in block {
-                let theta = self.values[column].max(f64::MIN_POSITIVE);
-                self.residuals[column] = norms[column - from] / theta;
-            }
+        let first = self.locked / LANES;
+        let image = |x: &Block, rows, y: &mut [Lanes]| self.stencil.apply_rows(x, rows, y);
+        let norms = self.subspace.residual_norms(first, &self.values, image);
+        self.applications += self.columns() - self.locked;
+        for column in self.locked..self.columns() {
+            let theta = self.values[column].max(f64::MIN_POSITIVE);
+            self.residuals[column] = norms[column - first * LANES] / theta;
         }
         while self.locked < self.columns() && self.residuals[self.locked] <= tolerance {
             self.locked += 1;

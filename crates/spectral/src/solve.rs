@@ -163,9 +163,30 @@ fn inverse_lanczos(
     // relative to lambda r / theta or less. A margin, because true residuals decide in the end.
     let accept = |theta: f64, residual: f64| residual <= 0.02 * parameters.tolerance * theta;
     let report = |converged: usize| progress(zeros + converged).is_continue();
-    let ritz = lanczos.run(|x| inverse.apply(x), accept, report)?;
+    let mut ritz = lanczos.run(|x| inverse.apply(x), accept, report)?;
+    ritz.vectors = smoothed(ritz.vectors, &ritz.values[..wanted], &inverse);
     let values = ritz.values.iter().map(|theta| (1.0 / theta - sigma).max(0.0)).collect();
     Ok((values, ritz))
+}
+
+/// `theta^(-1) (A + sigma I)^(-1) x` for each Ritz pair.
+///
+/// Lanczos leaves the rounding errors of hundreds of columns in its vectors, tiny but rough, and a mesh
+/// with triangles of very different sizes multiplies those by 10^7. The inverse smooths them away.
+/// Residuals of Ritz vectors are orthogonal to all of them, so this changes their scalar products only
+/// by the square of the residuals.
+fn smoothed(mut basis: Tall, theta: &[f64], inverse: &Inverse) -> Tall {
+    let mut vectors = Tall::zeros(basis.rows(), theta.len());
+    for b in 0..vectors.blocks().len() {
+        vectors.put(b, basis.take(b));
+    }
+    inverse.apply(&mut vectors);
+    vectors.blocks_mut().iter_mut().zip(theta.chunks(LANES)).for_each(|(block, theta)| {
+        for row in block {
+            theta.iter().zip(&mut row.0).for_each(|(theta, x)| *x /= theta);
+        }
+    });
+    vectors
 }
 
 /// Measures residuals and orthogonality of the pairs, and makes the eigenbasis if they will do.

@@ -11,6 +11,7 @@ use std::ops::Range;
 
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
+use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
@@ -145,10 +146,63 @@ impl Tall {
     pub fn self_gram(&self, a: Range<usize>) -> Mat<f64> {
         self.sum_over_chunks(a.len(), a.len(), |chunk, sum, [buffer, _]| {
             let panel = self.pack(chunk, &a, buffer).of(buffer);
-            let (lower, full) = (BlockStructure::TriangularLower, BlockStructure::Rectangular);
-            let transposed = panel.transpose();
-            triangular::matmul(sum.as_mut(), lower, Accum::Add, transposed, full, panel, full, 1.0, Par::Seq);
+            add_lower(sum.as_mut(), panel, panel);
         })
+    }
+
+    /// `V^T V` and `V^T (A V)` for `V = self[:, a]`, of which the lower triangles are filled.
+    /// `image(block, rows, target)` sets target to some rows of A times a block; the images are never
+    /// stored.
+    pub fn gram_and_energy(
+        &self,
+        a: Range<usize>,
+        image: impl Fn(&Block, Range<usize>, &mut [Lanes]) + Sync,
+    ) -> (Mat<f64>, Mat<f64>) {
+        let m = a.len();
+        let both = self.sum_over_chunks(m, 2 * m, |chunk, sum, [buffer, images]| {
+            let (rows, blocks) = (self.rows_of(chunk), a.start / LANES..a.end.div_ceil(LANES));
+            let panel = self.pack(chunk, &a, buffer);
+            images.resize(buffer.len(), 0.0);
+            let mut target = [Lanes([0.0; LANES]); CHUNK];
+            for (b, block) in self.blocks[blocks].iter().enumerate() {
+                image(block, rows.clone(), &mut target[..rows.len()]);
+                for (packed, lanes) in images.chunks_exact_mut(panel.stride).zip(&target) {
+                    packed[b * LANES..(b + 1) * LANES].copy_from_slice(&lanes.0);
+                }
+            }
+            let (gram, energy) = sum.as_mut().split_at_col_mut(m);
+            add_lower(gram, panel.of(buffer), panel.of(buffer));
+            add_lower(energy, panel.of(buffer), panel.of(images));
+        });
+        (both.subcols(0, m).to_owned(), both.subcols(m, m).to_owned())
+    }
+
+    /// `|A v - theta v|` of all columns from block `first` on, with `image` as in
+    /// [`Tall::gram_and_energy`].
+    pub fn residual_norms(
+        &self,
+        first: usize,
+        theta: &[f64],
+        image: impl Fn(&Block, Range<usize>, &mut [Lanes]) + Sync,
+    ) -> Vec<f64> {
+        let norms = |(b, block): (usize, &Block)| {
+            let from = (first + b) * LANES;
+            let theta: [f64; LANES] = std::array::from_fn(|l| theta.get(from + l).copied().unwrap_or(0.0));
+            let mut total = [0.0; LANES];
+            let mut target = [Lanes([0.0; LANES]); CHUNK];
+            for chunk in 0..self.chunks() {
+                let rows = self.rows_of(chunk);
+                image(block, rows.clone(), &mut target[..rows.len()]);
+                let mut sum = [0.0; LANES];
+                for (x, y) in block[rows].iter().zip(&target) {
+                    (0..LANES).for_each(|l| sum[l] += (y.0[l] - theta[l] * x.0[l]).powi(2));
+                }
+                (0..LANES).for_each(|l| total[l] += sum[l]);
+            }
+            total.map(f64::sqrt)
+        };
+        let norms: Vec<[f64; LANES]> = self.blocks[first..].par_iter().enumerate().map(norms).collect();
+        norms.as_flattened().to_vec()
     }
 
     /// Calls `work` on every chunk of rows of all blocks, in parallel.
@@ -192,23 +246,12 @@ impl Tall {
             combine(blocks, to, coefficients.ncols(), &product, |x, p| *x = p);
         });
     }
+}
 
-    /// Euclidean norms of the columns.
-    pub fn column_norms(&self) -> Vec<f64> {
-        let norms = |block: &Block| {
-            let mut total = [0.0; LANES];
-            for rows in block.chunks(CHUNK) {
-                let mut sum = [0.0; LANES];
-                for row in rows {
-                    (0..LANES).for_each(|l| sum[l] += row.0[l] * row.0[l]);
-                }
-                (0..LANES).for_each(|l| total[l] += sum[l]);
-            }
-            total.map(f64::sqrt)
-        };
-        let norms: Vec<[f64; LANES]> = self.blocks.par_iter().map(norms).collect();
-        norms.as_flattened()[..self.columns].to_vec()
-    }
+/// `sum += a^T b`, lower triangle only.
+fn add_lower(sum: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>) {
+    let (lower, full) = (BlockStructure::TriangularLower, BlockStructure::Rectangular);
+    triangular::matmul(sum, lower, Accum::Add, a.transpose(), full, b, full, 1.0, Par::Seq);
 }
 
 /// Where packed columns lie in their buffer.
@@ -276,12 +319,24 @@ pub(crate) fn small_eigen(matrix: &Mat<f64>) -> Option<(Vec<f64>, Mat<f64>)> {
     Some((values, eigen.U().to_owned()))
 }
 
-/// Combinations of vectors with this Gram matrix (lower triangle) that are orthonormal, and the
-/// condition of the scaled Gram matrix. Directions that are dependent to rounding are left out.
+/// Combinations C of vectors with this Gram matrix (lower triangle), so that the combined vectors are
+/// orthonormal, and the condition of the scaled Gram matrix. Directions that are dependent to rounding
+/// are left out.
+///
+/// Cholesky where it can: it leaves the first vectors, those that have converged, nearly untouched.
 pub(crate) fn orthonormal_combinations(gram: &Mat<f64>) -> Option<(Mat<f64>, f64)> {
     let m = gram.nrows();
     let scale: Vec<f64> = (0..m).map(|i| 1.0 / gram[(i, i)].sqrt().max(f64::MIN_POSITIVE)).collect();
     let scaled = Mat::from_fn(m, m, |i, j| gram[(i.max(j), i.min(j))] * scale[i] * scale[j]);
+    if let Ok(factor) = scaled.llt(faer::Side::Lower) {
+        let l = factor.L();
+        let smallest = (0..m).map(|i| l[(i, i)]).fold(1.0, f64::min);
+        if smallest > 1e-6 {
+            let mut basis = Mat::<f64>::identity(m, m);
+            solve_upper_triangular_in_place(l.transpose(), basis.as_mut(), Par::Seq);
+            return Some((Mat::from_fn(m, m, |i, j| scale[i] * basis[(i, j)]), smallest.powi(-2)));
+        }
+    }
     let (values, vectors) = small_eigen(&scaled)?;
     let largest = values.last().copied().unwrap_or(1.0);
     let first = values.iter().position(|&v| v > 1e-13 * largest).unwrap_or(0);
@@ -346,8 +401,16 @@ mod tests {
             assert_eq!(a.at(v, 6), old.at(v, 6));
             assert_eq!(a.at(v, 10), old.at(v, 10));
         }
+        // Against an "operator" that doubles each vector.
+        let double = |x: &Block, rows: Range<usize>, y: &mut [Lanes]| {
+            y.iter_mut().zip(&x[rows]).for_each(|(y, x)| *y = Lanes(x.0.map(|x| 2.0 * x)));
+        };
+        let (same, twice) = old.gram_and_energy(5..19, double);
+        assert!((0..14).all(|i| (0..=i).all(|j| (same[(i, j)] - lower[(i, j)]).abs() < 1e-9)));
+        assert!((0..14).all(|i| (0..=i).all(|j| (twice[(i, j)] - 2.0 * lower[(i, j)]).abs() < 1e-9)));
         let norm = (0..n).map(|v| old.at(v, 20).powi(2)).sum::<f64>().sqrt();
-        assert!((old.column_norms()[20] - norm).abs() < 1e-10);
+        let theta = vec![1.5; 21];
+        assert!((old.residual_norms(1, &theta, double)[12] - 0.5 * norm).abs() < 1e-9);
     }
 
     #[test]
