@@ -1,6 +1,9 @@
 //! The project's own tasks, one file per command: `cargo xtask COMMAND`.
 
+mod evaluate;
 mod fixtures;
+mod poses;
+mod shrec11;
 
 use std::process::ExitCode;
 
@@ -18,11 +21,17 @@ struct Arguments {
 enum Command {
     /// Make the shapes in fixtures/ again, byte for byte
     Fixtures(fixtures::Arguments),
+    /// Score the detector on poses of one figure
+    Poses(poses::Arguments),
+    /// Score detectors on SHREC'10, SHREC'11 or a synthetic benchmark
+    Shrec11(shrec11::Arguments),
 }
 
 fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Fixtures(arguments) => fixtures::run(&arguments),
+        Command::Poses(arguments) => poses::run(&arguments),
+        Command::Shrec11(arguments) => shrec11::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,0 +1,65 @@
+//! What the evaluating commands share: bodies with their spectra, and what a detector finds there.
+
+use std::error::Error;
+use std::path::Path;
+
+use mser3d::shape::{Eigenbasis, TriangleMesh};
+use mser3d::spectral::SpectrumParameters;
+use mser3d::voxelize::VoxelizeParameters;
+use mser3d::{Body, Parameters, describe, find_regions, no_progress};
+use mser3d_meshio::{ReadOptions, read_mesh};
+use mser3d_shrec11::{Detection, VertexSet};
+
+/// A body and its spectrum, which serve every detector.
+pub struct Solved {
+    vertices: usize,
+    body: Body,
+    basis: Eigenbasis,
+}
+
+impl Solved {
+    /// The solid inside a mesh.
+    pub fn volume(
+        mesh: &TriangleMesh,
+        voxelize: &VoxelizeParameters,
+        spectrum: &SpectrumParameters,
+    ) -> Result<Self, Box<dyn Error>> {
+        Self::solve(mesh, Body::volume(mesh, voxelize)?.0, spectrum)
+    }
+
+    /// The surface itself.
+    pub fn surface(mesh: &TriangleMesh, spectrum: &SpectrumParameters) -> Result<Self, Box<dyn Error>> {
+        Self::solve(mesh, Body::surface(mesh), spectrum)
+    }
+
+    fn solve(mesh: &TriangleMesh, body: Body, spectrum: &SpectrumParameters) -> Result<Self, Box<dyn Error>> {
+        let basis = body.spectrum(spectrum, &no_progress)?.basis;
+        Ok(Self { vertices: mesh.vertices().len(), body, basis })
+    }
+
+    /// Size of a voxel; none on a surface.
+    pub fn pitch(&self) -> Option<f64> {
+        self.body.grid().map(|grid| grid.frame().spacing()[0])
+    }
+
+    /// Volume, or area.
+    pub fn measure(&self) -> f64 {
+        self.basis.measure()
+    }
+
+    /// What a detector finds, as sets of the mesh's vertices.
+    pub fn detect(&self, parameters: &Parameters) -> Result<Detection, Box<dyn Error>> {
+        let regions = find_regions(&self.body, &self.basis, parameters, &no_progress)?.regions;
+        let descriptors = describe(&self.basis, &regions, parameters)?;
+        let mut sets = Vec::with_capacity(regions.len());
+        for region in &regions {
+            sets.push(VertexSet::from_members(self.vertices, region.vertices.iter().map(|&v| v as usize))?);
+        }
+        Ok(Detection { regions: sets, descriptors: descriptors.rows().map(<[f64]>::to_vec).collect() })
+    }
+}
+
+/// The mesh of a file.
+pub fn mesh(path: &Path) -> Result<TriangleMesh, Box<dyn Error>> {
+    Ok(read_mesh(path, &ReadOptions::default())?.mesh)
+}
