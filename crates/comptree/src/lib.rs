@@ -34,9 +34,14 @@
 //! ```
 #![warn(missing_docs)]
 
+mod ancestors;
+mod attributes;
 mod build;
 mod error;
+mod export;
+mod filter;
 mod grey;
+mod layout;
 mod order;
 mod petgraph;
 mod pool;
@@ -44,6 +49,8 @@ mod stability;
 mod topology;
 mod tree;
 
+pub use ancestors::CommonAncestors;
+pub use attributes::{Bounds, Moments};
 pub use error::TreeError;
 pub use grey::GreyValue;
 pub use order::{Polarity, Volumes};
@@ -52,4 +59,4 @@ pub use stability::{
     AltitudeScale, Mode, Selection, SelectionReport, StabilityParameters, StableRegion, stable_regions,
 };
 pub use topology::Stencil;
-pub use tree::ComponentTree;
+pub use tree::{ComponentTree, Siblings};

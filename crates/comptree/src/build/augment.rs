@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::arcs::Arcs;
 use super::relief::Relief;
 use crate::Polarity;
+use crate::layout::postorder;
 use crate::order::NONE;
 use crate::tree::Nodes;
 
@@ -278,51 +279,4 @@ fn sort_bin<R: Relief>(
         levels.iter_mut().zip(&*vertices).for_each(|(level, &v)| *level = relief.level(v));
     }
     levels.windows(2).any(|pair| pair[0] == pair[1])
-}
-
-/// The arcs with children before parents and siblings by their smallest vertex.
-fn postorder(parents: &[u32], arc_of: &[u32]) -> Vec<u32> {
-    // Climbing from the vertices in ascending order, each time up to what was reached before, an arc is
-    // first reached from its smallest vertex: siblings are reached in the order wanted.
-    let mut reached = vec![false; parents.len()];
-    let mut first_child = vec![NONE; parents.len()];
-    let mut last_child = vec![NONE; parents.len()];
-    let mut next_sibling = vec![NONE; parents.len()];
-    let mut roots = Vec::new();
-    for &start in arc_of {
-        let mut arc = start;
-        while !std::mem::replace(&mut reached[arc as usize], true) {
-            let parent = parents[arc as usize];
-            if parent == NONE {
-                roots.push(arc);
-                break;
-            }
-            match std::mem::replace(&mut last_child[parent as usize], arc) {
-                NONE => first_child[parent as usize] = arc,
-                sibling => next_sibling[sibling as usize] = arc,
-            }
-            arc = parent;
-        }
-    }
-    let descend = |mut arc: u32| {
-        while first_child[arc as usize] != NONE {
-            arc = first_child[arc as usize];
-        }
-        arc
-    };
-    let mut order = Vec::with_capacity(parents.len());
-    for root in roots {
-        let mut arc = descend(root);
-        loop {
-            order.push(arc);
-            if arc == root {
-                break;
-            }
-            arc = match next_sibling[arc as usize] {
-                NONE => parents[arc as usize],
-                sibling => descend(sibling),
-            };
-        }
-    }
-    order
 }

@@ -1,0 +1,84 @@
+//! The canonical numbering of nodes.
+use crate::order::NONE;
+use crate::tree::Nodes;
+
+/// Nodes with children before parents and siblings by their smallest vertex; `node_of` gives the node of
+/// each vertex. Linear in time.
+pub(crate) fn postorder(parents: &[u32], node_of: &[u32]) -> Vec<u32> {
+    // Climbing from the vertices in ascending order, each time up to what was reached before, a node is
+    // first reached from its smallest vertex: siblings are reached in the order wanted.
+    let mut reached = vec![false; parents.len()];
+    let mut first_child = vec![NONE; parents.len()];
+    let mut last_child = vec![NONE; parents.len()];
+    let mut next_sibling = vec![NONE; parents.len()];
+    let mut roots = Vec::new();
+    for &start in node_of {
+        let mut node = start;
+        while !std::mem::replace(&mut reached[node as usize], true) {
+            let parent = parents[node as usize];
+            if parent == NONE {
+                roots.push(node);
+                break;
+            }
+            match std::mem::replace(&mut last_child[parent as usize], node) {
+                NONE => first_child[parent as usize] = node,
+                sibling => next_sibling[sibling as usize] = node,
+            }
+            node = parent;
+        }
+    }
+    let descend = |mut node: u32| {
+        while first_child[node as usize] != NONE {
+            node = first_child[node as usize];
+        }
+        node
+    };
+    let mut order = Vec::with_capacity(parents.len());
+    for root in roots {
+        let mut node = descend(root);
+        loop {
+            order.push(node);
+            if node == root {
+                break;
+            }
+            node = match next_sibling[node as usize] {
+                NONE => parents[node as usize],
+                sibling => descend(sibling),
+            };
+        }
+    }
+    order
+}
+
+/// Numbers the nodes of a tree in postorder and sorts the vertices by node.
+pub(crate) fn canonical(parents: &[u32], altitudes: &[f64], mut node_of: Vec<u32>) -> Nodes {
+    let order = postorder(parents, &node_of);
+    let mut number = vec![0u32; parents.len()];
+    order.iter().enumerate().for_each(|(new, &old)| number[old as usize] = new as u32);
+    let mut ends = vec![0u32; order.len()];
+    for node in &mut node_of {
+        *node = number[*node as usize];
+        ends[*node as usize] += 1;
+    }
+    let mut sum = 0;
+    for end in &mut ends {
+        let count = std::mem::replace(end, sum);
+        sum += count;
+    }
+    let mut vertices = vec![0u32; node_of.len()];
+    for (v, &node) in node_of.iter().enumerate() {
+        let at = &mut ends[node as usize];
+        vertices[*at as usize] = v as u32;
+        *at += 1;
+    }
+    let parent = |&old: &u32| match parents[old as usize] {
+        NONE => NONE,
+        parent => number[parent as usize],
+    };
+    Nodes {
+        parents: order.iter().map(parent).collect(),
+        altitudes: order.iter().map(|&old| altitudes[old as usize]).collect(),
+        ends,
+        vertices,
+    }
+}
