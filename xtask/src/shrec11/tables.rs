@@ -78,3 +78,43 @@ fn table(text: &mut String, scores: &Scores, strength: u32, measure: fn(&Score) 
         text.push('\n');
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scores() -> Scores {
+        let score = |class: &str, strength, best: &[f64], matched: &[f64]| Score {
+            class: class.into(),
+            strength,
+            best: best.to_vec(),
+            matched: matched.to_vec(),
+        };
+        let ours = vec![
+            score("noise", 1, &[0.95, 0.85, 0.75, 0.0], &[0.95, 0.0, 0.75, 0.0]),
+            score("noise", 5, &[], &[]),
+            score("holes", 2, &[0.9], &[0.9]),
+        ];
+        vec![("ours".into(), ours)]
+    }
+
+    #[test]
+    fn shapes_count_alike_however_many_regions_they_have() {
+        let summary = summary(&scores());
+        let all = &summary[..summary.find("strengths up to 3").unwrap()];
+        assert!(all.contains("| noise | 0.250 |"), "{all}");
+        assert!(all.contains("| holes | 1.000 |"));
+        assert!(all.contains("| mean over shapes | 0.500 |"));
+    }
+
+    #[test]
+    fn every_region_and_every_shape_has_a_row() {
+        assert_eq!(regions_csv(&scores()).lines().count(), 1 + 4 + 1);
+        let shapes = shapes_csv(&scores());
+        let rows: Vec<&str> = shapes.lines().collect();
+        assert_eq!(rows[1], "ours,noise,1,4,0.75,0.5,0.25,2,0.5,0.25,0.25");
+        assert_eq!(rows[2], "ours,noise,5,0,0,0,0,0,0,0,0");
+        let columns = |row: &&str| row.split(',').count();
+        assert!(rows.iter().all(|row| columns(row) == columns(&rows[0])));
+    }
+}
