@@ -1,0 +1,129 @@
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+/// Why results cannot be compared, collected or searched.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum CollectionError {
+    /// A result cannot be read.
+    #[error(transparent)]
+    Results(#[from] mser3d_results::ResultsError),
+    /// A result lacks something that comparing needs.
+    #[error("{}: {what}; run `mser3d detect` again", folder.display())]
+    Incomplete {
+        /// The result's folder.
+        folder: PathBuf,
+        /// What is missing.
+        what: String,
+    },
+    /// A shape has no regions to compare.
+    #[error(
+        "{}: this shape has no regions, so there is nothing to compare; detect with a smaller --min-volume or --window",
+        folder.display()
+    )]
+    NoRegions {
+        /// The result's folder.
+        folder: PathBuf,
+    },
+    /// Descriptors that do not measure the same.
+    #[error(
+        "{} and {}: descriptors of different settings cannot be compared: {what}; detect one of them again with the settings of the other",
+        first.display(),
+        second.display()
+    )]
+    DifferentDescriptors {
+        /// One result or collection.
+        first: PathBuf,
+        /// The other.
+        second: PathBuf,
+        /// What differs.
+        what: String,
+    },
+    /// Two shapes said to have the same vertices have not.
+    #[error(
+        "{} has {first_vertices} vertices and {} has {second_vertices}, so vertex i of one is not vertex i of the other; leave out the ground truth",
+        first.display(),
+        second.display()
+    )]
+    OtherVertices {
+        /// One result.
+        first: PathBuf,
+        /// Its vertices.
+        first_vertices: usize,
+        /// The other result.
+        second: PathBuf,
+        /// Its vertices.
+        second_vertices: usize,
+    },
+    /// A parameter is out of range.
+    #[error("{name} is {value}: it must be {expected}")]
+    BadParameter {
+        /// Which parameter.
+        name: &'static str,
+        /// What it was.
+        value: String,
+        /// What it has to be.
+        expected: &'static str,
+    },
+    /// A parameter of the matching is out of range, or descriptors do not fit together.
+    #[error(transparent)]
+    Descriptors(#[from] mser3d::descriptors::DescriptorError),
+    /// A ground truth cannot be read or does not fit.
+    #[error(transparent)]
+    Truth(#[from] mser3d_shrec11::ShrecError),
+    /// An input names no shape.
+    #[error("{input}: {problem}")]
+    Input {
+        /// The input as it was given.
+        input: String,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
+    /// An animated file cannot be read.
+    #[error(transparent)]
+    Mesh(#[from] mser3d_meshio::MeshIoError),
+    /// Another process writes to the collection.
+    #[error(
+        "{}: another batch is writing to this collection{part}; wait until it is done, or give another folder",
+        folder.display()
+    )]
+    Busy {
+        /// The collection.
+        folder: PathBuf,
+        /// Which part of it.
+        part: String,
+    },
+    /// A folder is no collection, or none that is finished.
+    #[error("{}: {problem}", folder.display())]
+    NotACollection {
+        /// The folder.
+        folder: PathBuf,
+        /// What is missing, and what to do.
+        problem: String,
+    },
+    /// A table cannot be written or read.
+    #[error("{}: {reason}", path.display())]
+    Table {
+        /// The table.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// A file or folder cannot be read, made or renamed.
+    #[error("{}: {error}", path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// Why.
+        #[source]
+        error: std::io::Error,
+    },
+}
+
+impl CollectionError {
+    pub(crate) fn io(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.into();
+        |error| Self::Io { path, error }
+    }
+}
