@@ -164,8 +164,11 @@ fn inverse_lanczos(
     let accept = |theta: f64, residual: f64| residual <= 0.02 * parameters.tolerance * theta;
     let report = |converged: usize| progress(zeros + converged).is_continue();
     let mut ritz = lanczos.run(|x| inverse.apply(x), accept, report)?;
-    ritz.vectors = smoothed(ritz.vectors, &ritz.values[..wanted], &inverse);
-    let values = ritz.values.iter().map(|theta| (1.0 / theta - sigma).max(0.0)).collect();
+    let values: Vec<f64> = ritz.values.iter().map(|theta| (1.0 / theta - sigma).max(0.0)).collect();
+    let residuals = Quality::measure(problem, &values[..wanted], &ritz.vectors).residuals;
+    if residuals.iter().any(|&r| r > parameters.tolerance) {
+        ritz.vectors = smoothed(ritz.vectors, &ritz.values[..wanted], &inverse);
+    }
     Ok((values, ritz))
 }
 

@@ -145,6 +145,23 @@ fn a_sphere_has_l_times_l_plus_one() {
 }
 
 #[test]
+fn triangles_of_very_different_sizes_cost_no_accuracy() {
+    // A conformal map of the sphere to itself that shrinks one pole by 1000 and blows up the other: the
+    // operator's largest eigenvalue is more than 10^7 times the smallest. (The spectrum of the blown-up
+    // side is coarse; this is about the eigenpairs of the mesh as it is.)
+    let mesh = sphere(4);
+    let map = |&[x, y, z]: &[f64; 3]| {
+        let (s, w) = (1.0 / 1000.0, (1.0 + 1e-12 - z).recip());
+        let (u, v) = (s * x * w, s * y * w);
+        let r = u * u + v * v;
+        [2.0 * u / (1.0 + r), 2.0 * v / (1.0 + r), (r - 1.0) / (1.0 + r)]
+    };
+    let graded = mesh.with_vertices(mesh.vertices().iter().map(map).collect()).unwrap();
+    let report = solve(&cotangent_laplacian(&graded).unwrap(), 100).report;
+    assert!(report.residual < 1e-9 && report.orthogonality < 1e-9, "{report:?}");
+}
+
+#[test]
 fn counts_follow_weyls_law() {
     // N(lambda) ~ V lambda^(3/2) / (6 pi^2) + A lambda / (16 pi), Neumann boundary.
     let spectrum = solve(&grid_laplacian(&solid([24, 20, 18], [1.0; 3], |_| true)), 150);
