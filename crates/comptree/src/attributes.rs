@@ -27,6 +27,20 @@ pub struct Moments {
 const ENTRIES: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
 
 impl Moments {
+    /// The moments of some vertices, points of the given volumes.
+    pub fn of<'v>(
+        vertices: &[u32],
+        position: impl Fn(u32) -> [f64; 3],
+        volumes: impl Into<Volumes<'v>>,
+    ) -> Self {
+        let volumes = volumes.into();
+        let mut sum = Self { volume: 0.0, centroid: [0.0; 3], covariance: [0.0; 6] };
+        for &v in vertices {
+            sum.join(Self { volume: volumes.of(v), centroid: position(v), covariance: [0.0; 6] });
+        }
+        sum
+    }
+
     /// Adds another set (Chan, Golub and LeVeque 1983): no large sums are subtracted.
     fn join(&mut self, other: Self) {
         let volume = self.volume + other.volume;

@@ -37,11 +37,13 @@
 mod ancestors;
 mod attributes;
 mod build;
+mod ellipsoid;
 mod error;
 mod export;
 mod filter;
 mod grey;
 mod layout;
+mod msv;
 mod order;
 mod petgraph;
 mod pool;
@@ -51,8 +53,10 @@ mod tree;
 
 pub use ancestors::CommonAncestors;
 pub use attributes::{Bounds, Moments};
+pub use ellipsoid::Ellipsoid;
 pub use error::TreeError;
 pub use grey::GreyValue;
+pub use msv::{MsvParameters, maximally_stable_volumes};
 pub use order::{Polarity, Volumes};
 pub use pool::{PoolParameters, PooledRegion, pool};
 pub use stability::{

@@ -34,7 +34,7 @@ pub struct Selection {
     pub report: SelectionReport,
 }
 
-/// How many regions each filter removed. Filters work in the order of the fields.
+/// How many regions each filter removed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SelectionReport {
     /// Nodes of the tree.
@@ -56,9 +56,9 @@ pub struct SelectionReport {
 
 /// A node that may be a region.
 #[derive(Clone, Copy, Debug)]
-struct Candidate {
-    node: u32,
-    stability: f64,
+pub(crate) struct Candidate {
+    pub node: u32,
+    pub stability: f64,
 }
 
 /// Selects the maximally stable components of a tree.
@@ -106,7 +106,22 @@ pub fn stable_regions(
 }
 
 /// Drops each candidate whose nearest surviving ancestor is nearly as large, and orders the rest.
-fn diverse(tree: &ComponentTree, mut candidates: Vec<Candidate>, min_diversity: f64) -> Vec<StableRegion> {
+fn diverse(tree: &ComponentTree, candidates: Vec<Candidate>, min_diversity: f64) -> Vec<StableRegion> {
+    nest(tree, candidates, |volume, larger| volume > (1.0 - min_diversity) * larger)
+}
+
+/// Regions from nodes that all stay.
+pub(crate) fn arrange(tree: &ComponentTree, nodes: Vec<Candidate>) -> Vec<StableRegion> {
+    nest(tree, nodes, |_, _| false)
+}
+
+/// Regions with their parents, by descending volume, but for those that `goes` drops for their volume
+/// and that of the nearest ancestor that stays.
+fn nest(
+    tree: &ComponentTree,
+    mut candidates: Vec<Candidate>,
+    goes: impl Fn(f64, f64) -> bool,
+) -> Vec<StableRegion> {
     // In descending order of nodes ancestors come before descendants, and what lies between a node and
     // an ancestor on the stack descends from that ancestor too.
     candidates.sort_unstable_by_key(|c| std::cmp::Reverse(c.node));
@@ -116,7 +131,7 @@ fn diverse(tree: &ComponentTree, mut candidates: Vec<Candidate>, min_diversity: 
         while ancestors.pop_if(|&mut a| !tree.contains(regions[a].node, node)).is_some() {}
         let parent = ancestors.last().copied();
         let volume = tree.volume(node);
-        if parent.is_some_and(|p| volume > (1.0 - min_diversity) * regions[p].volume) {
+        if parent.is_some_and(|p| goes(volume, regions[p].volume)) {
             continue;
         }
         ancestors.push(regions.len());
