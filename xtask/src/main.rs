@@ -1,5 +1,6 @@
 //! The project's own tasks, one file per command: `cargo xtask COMMAND`.
 
+mod bench;
 mod evaluate;
 mod fixtures;
 mod poses;
@@ -19,6 +20,8 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Compare with other people's libraries
+    Bench(bench::Arguments),
     /// Make the shapes in fixtures/ again, byte for byte
     Fixtures(fixtures::Arguments),
     /// Score the detector on poses of one figure
@@ -29,6 +32,7 @@ enum Command {
 
 fn main() -> ExitCode {
     let result = match Arguments::parse().command {
+        Command::Bench(arguments) => bench::run(&arguments),
         Command::Fixtures(arguments) => fixtures::run(&arguments),
         Command::Poses(arguments) => poses::run(&arguments),
         Command::Shrec11(arguments) => shrec11::run(&arguments),

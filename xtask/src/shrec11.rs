@@ -18,9 +18,10 @@ use mser3d_shrec11::Benchmark;
 
 /// What `cargo xtask shrec11` can be told.
 #[derive(clap::Args)]
+#[command(group = clap::ArgGroup::new("source").required(true).args(["data", "synthesize"]))]
 pub struct Arguments {
     /// Folder of the benchmark: NNNN.<class>.<strength>.off and corr/
-    #[arg(long, conflicts_with = "synthesize", required_unless_present = "synthesize")]
+    #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
     /// Make a benchmark from this closed mesh instead
     #[arg(long, value_name = "MESH")]
@@ -60,8 +61,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         None => synthesize::benchmark(arguments)?,
     };
     let benchmark = Benchmark::open(&folder)?;
-    for problem in benchmark.missing() {
-        eprintln!("warning: {problem}");
+    if arguments.classes.is_empty() {
+        benchmark.missing().iter().for_each(|problem| eprintln!("warning: {problem}"));
     }
     run::detect(arguments, &benchmark)?;
     let scores = run::score(arguments, &benchmark)?;

@@ -1,0 +1,27 @@
+//! `cargo xtask bench`: our stages beside other people's, on the same input, in one run.
+
+mod process;
+mod refine;
+mod spectrum;
+
+use std::error::Error;
+
+/// What `cargo xtask bench` can be told.
+#[derive(clap::Args)]
+pub struct Arguments {
+    #[command(subcommand)]
+    bench: Bench,
+}
+
+#[derive(clap::Subcommand)]
+enum Bench {
+    /// Eigenpairs: our two solvers, SciPy, LaPy and Spectra
+    Spectrum(spectrum::Arguments),
+}
+
+/// Runs a benchmark.
+pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    match &arguments.bench {
+        Bench::Spectrum(arguments) => spectrum::run(arguments),
+    }
+}
