@@ -1,6 +1,9 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use mser3d_results::ResultsError;
+use mser3d_viewer::ViewerError;
+
 /// Why a command failed. Displayed as one line on stderr.
 #[derive(Debug, thiserror::Error)]
 pub enum CliError {
@@ -9,6 +12,10 @@ pub enum CliError {
     Usage(String),
     #[error(transparent)]
     File(#[from] mser3d_meshio::MeshIoError),
+    #[error(transparent)]
+    Collection(#[from] mser3d_collection::CollectionError),
+    #[error(transparent)]
+    Results(#[from] mser3d_results::ResultsError),
     #[error("{}: {source}", path.display())]
     Shape { path: PathBuf, source: mser3d::Error },
     #[error("{}: cannot be used as output folder: {source}; choose another with -o", path.display())]
@@ -19,6 +26,13 @@ pub enum CliError {
 
 impl CliError {
     pub fn exit_code(&self) -> ExitCode {
-        ExitCode::from(if matches!(self, Self::Usage(_)) { 2 } else { 1 })
+        let wrong_option =
+            |e: &ResultsError| matches!(e, ResultsError::Viewer(ViewerError::BadOption { .. }));
+        let wrong_use = match self {
+            Self::Usage(_) => true,
+            Self::Results(error) => wrong_option(error),
+            _ => false,
+        };
+        ExitCode::from(if wrong_use { 2 } else { 1 })
     }
 }

@@ -7,10 +7,13 @@ mod error;
 mod input;
 mod inspect;
 mod machine;
+mod matching;
 mod options;
 mod output;
 mod progress;
+mod render;
 mod table;
+mod view;
 
 use std::process::ExitCode;
 
@@ -31,6 +34,12 @@ enum Command {
     Detect(Box<detect::DetectArgs>),
     /// Say what a mesh file holds, what is wrong with it, and what a run would take
     Inspect(inspect::InspectArgs),
+    /// Draw a result as a PNG picture; no display needed
+    Render(render::RenderArgs),
+    /// Make one HTML page of a result, to turn and explore in a browser
+    View(view::ViewArgs),
+    /// Find out which regions of two shapes are the same
+    Match(matching::MatchArgs),
 }
 
 fn main() -> ExitCode {
@@ -38,6 +47,9 @@ fn main() -> ExitCode {
     let result = match &cli.command {
         Command::Detect(args) => detect::run(args),
         Command::Inspect(args) => inspect::run(args),
+        Command::Render(args) => render::run(args),
+        Command::View(args) => view::run(args),
+        Command::Match(args) => matching::run(args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

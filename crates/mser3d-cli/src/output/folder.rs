@@ -2,12 +2,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use mser3d::Features;
-use mser3d_meshio::{
-    VertexAttributes, VoxelField, VoxelValues, write_atomically, write_npz, write_ply, write_vti,
-};
-use mser3d_viewer::region_colours;
+use mser3d_meshio::{NpyArray, write_atomically};
+use mser3d_results::Results;
 
-use super::arrays;
 use super::report::Report;
 use crate::error::CliError;
 use crate::input::Input;
@@ -35,39 +32,13 @@ impl OutputFolder {
     }
 
     pub fn write(&self, input: &Input, features: &Features, report: &Report) -> Result<(), CliError> {
-        let file = |name: &str| self.path.join(name);
-        for stale in ["regions.json", "features.npz", "surface.ply", "volume.vti"] {
-            match fs::remove_file(file(stale)) {
-                Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
-                    return Err(CliError::OutputFolder { path: file(stale), source });
-                }
-                _ => {}
-            }
-        }
-        write_npz(&file("features.npz"), &arrays::features(input, features))?;
-        let voxel_labels = arrays::labels(&features.region_of_element());
-        if let Some(mesh) = input.mesh() {
-            let labels = arrays::labels(&features.region_of_vertex());
-            let nested: Vec<[u32; 2]> = (0u32..)
-                .zip(&features.regions)
-                .filter_map(|(id, region)| region.parent.map(|parent| [parent as u32, id]))
-                .collect();
-            let palette = region_colours(features.regions.len(), &labels, &mesh.edge_graph(), &nested);
-            let colour = |&label: &i32| match usize::try_from(label) {
-                Ok(region) => palette[region].0,
-                Err(_) => mser3d_viewer::NO_REGION.0,
-            };
-            let colours: Vec<[u8; 3]> = labels.iter().map(colour).collect();
-            let attributes =
-                VertexAttributes { colors: Some(&colours), regions: Some(&labels), normals: None };
-            write_ply(&file("surface.ply"), mesh, &attributes)?;
-        }
-        if let Some(grid) = features.body.grid() {
-            let fields = [VoxelField { name: "region", values: VoxelValues::Labels(&voxel_labels) }];
-            write_vti(&file("volume.vti"), grid, &fields)?;
-        }
+        let results = Results::new(features, input.mesh(), &input.path.to_string_lossy())?;
+        // Leads from the vertices of a file that repeats them to those of the mesh.
+        let weld = input.loaded().and_then(|loaded| loaded.weld.as_deref());
+        let more = weld.map(|weld| ("file_vertex", NpyArray::flat(weld)));
+        results.write_files(&self.path, more.into_iter().collect())?;
         let json = report.to_json();
-        write_atomically(&file("regions.json"), |out| {
+        write_atomically(&self.path.join("regions.json"), |out| {
             use std::io::Write;
             out.write_all(json.as_bytes())
         })?;

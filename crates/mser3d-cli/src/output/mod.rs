@@ -1,6 +1,5 @@
 //! The results folder: `regions.json`, `features.npz`, `surface.ply`, `volume.vti`.
 
-mod arrays;
 mod folder;
 mod report;
 

@@ -1,0 +1,146 @@
+//! `mser3d render`: a result as a picture.
+
+use std::path::PathBuf;
+
+use clap::ValueEnum;
+use mser3d_meshio::write_atomically;
+use mser3d_results::Results;
+use mser3d_viewer::{Cut, Panel, RenderOptions, Up, View, render};
+
+use crate::error::CliError;
+
+#[derive(clap::Args)]
+pub struct RenderArgs {
+    /// Folder that `mser3d detect` wrote
+    pub folder: PathBuf,
+    /// Picture to write (PNG)
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// What to draw, from left to right [default: all but voxels and top, inside for volumes]
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "VIEW,...")]
+    pub views: Vec<Shot>,
+    /// Height of each view, in pixels
+    #[arg(long, value_name = "PIXELS", default_value_t = 800)]
+    pub height: usize,
+    /// Views beside each other before a new row begins; 0: all in one row
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub columns: usize,
+    /// Axis that the cut of inside and voxels runs across [default: front to back]
+    #[arg(long, value_enum, value_name = "AXIS")]
+    pub cut_axis: Option<Axis>,
+    /// Where it cuts: 0 leaves nothing, 1 all
+    #[arg(long, value_name = "SHARE", default_value_t = 0.5)]
+    pub cut_at: f64,
+    /// Axis that points up
+    #[arg(long, value_enum, default_value_t = UpAxis::Y)]
+    pub up: UpAxis,
+}
+
+/// A view and what it shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Shot {
+    Front,
+    ThreeQuarter,
+    Side,
+    Back,
+    Top,
+    /// The surface cut open
+    Inside,
+    /// The voxels, cut open
+    Voxels,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Axis {
+    X,
+    Y,
+    Z,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum UpAxis {
+    Y,
+    Z,
+}
+
+impl From<UpAxis> for Up {
+    fn from(axis: UpAxis) -> Self {
+        match axis {
+            UpAxis::Y => Self::Y,
+            UpAxis::Z => Self::Z,
+        }
+    }
+}
+
+impl Shot {
+    fn view(self) -> View {
+        match self {
+            Self::Front => View::FRONT,
+            Self::Side => View::SIDE,
+            Self::Back => View::BACK,
+            Self::Top => View::TOP,
+            Self::ThreeQuarter | Self::Inside | Self::Voxels => View::THREE_QUARTER,
+        }
+    }
+
+    fn caption(self) -> String {
+        self.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned())
+    }
+}
+
+pub fn run(args: &RenderArgs) -> Result<(), CliError> {
+    let results = Results::load(&args.folder)?;
+    let options = RenderOptions {
+        height: args.height,
+        columns: args.columns,
+        up: args.up.into(),
+        ..RenderOptions::default()
+    };
+    let solid = results.grid.is_some();
+    let shots = match &args.views[..] {
+        [] => [Shot::Front, Shot::ThreeQuarter, Shot::Side, Shot::Back, Shot::Inside]
+            .into_iter()
+            .filter(|shot| solid || *shot != Shot::Inside)
+            .collect(),
+        chosen => chosen.to_vec(),
+    };
+    if !solid && shots.iter().any(|s| [Shot::Inside, Shot::Voxels].contains(s)) {
+        return Err(CliError::Usage("--views inside and voxels need a volume, and this is a surface".into()));
+    }
+    let cut = cut(args, &results);
+    let surface = results.model()?;
+    let mut open = None;
+    let mut voxels = None;
+    if shots.contains(&Shot::Inside) {
+        open = cut.as_ref().map(|cut| results.section(cut)).transpose()?;
+    }
+    if shots.contains(&Shot::Voxels) {
+        voxels = results.voxel_model(cut.as_ref())?;
+    }
+    let panels: Vec<Panel<'_>> = shots
+        .iter()
+        .map(|shot| {
+            let model = match shot {
+                Shot::Inside => open.as_ref(),
+                Shot::Voxels => voxels.as_ref(),
+                _ => None,
+            };
+            Panel { model: model.unwrap_or(&surface), view: shot.view(), caption: shot.caption() }
+        })
+        .collect();
+    let picture = render(&panels, &options).map_err(mser3d_results::ResultsError::from)?;
+    let mut png = Vec::new();
+    picture.write_png(&mut png).map_err(mser3d_results::ResultsError::from)?;
+    write_atomically(&args.output, |out| std::io::Write::write_all(out, &png))?;
+    Ok(())
+}
+
+fn cut(args: &RenderArgs, results: &Results) -> Option<Cut> {
+    let bounds = results.mesh.bounding_box()?;
+    Some(match (args.cut_axis, args.up) {
+        (Some(axis), _) => Cut::across(&bounds, axis as usize, args.cut_at),
+        (None, UpAxis::Y) => Cut::across(&bounds, 2, args.cut_at),
+        // With z up, the front looks along -y.
+        (None, UpAxis::Z) => Cut::across(&bounds, 1, 1.0 - args.cut_at).flipped(),
+    })
+}
