@@ -2,7 +2,7 @@ use std::time::Instant;
 
 use mser3d_descriptors::{Descriptors, hks, region_descriptors, si_hks};
 use mser3d_shape::{Domain, Eigenbasis, TriangleMesh};
-use mser3d_spectral::{Spectrum, SpectrumReport};
+use mser3d_spectral::{Spectrum, SpectrumParameters, SpectrumReport};
 use mser3d_voxelize::Voxelization;
 
 use crate::progress::{ProgressFn, Stage, report};
@@ -81,16 +81,33 @@ pub fn detect(
     parameters: &Parameters,
     progress: ProgressFn,
 ) -> Result<Features, Error> {
+    detect_using(mesh, domain, parameters, &Body::spectrum, progress)
+}
+
+/// Where the eigenpairs of a body come from: [`Body::spectrum`], or a cache before it.
+pub type SpectrumFn<'a> = &'a dyn Fn(&Body, &SpectrumParameters, ProgressFn) -> Result<Spectrum, Error>;
+
+/// As [`detect`], with eigenpairs from elsewhere.
+///
+/// # Errors
+/// As [`detect`].
+pub fn detect_using(
+    mesh: &TriangleMesh,
+    domain: Domain,
+    parameters: &Parameters,
+    spectrum: SpectrumFn,
+    progress: ProgressFn,
+) -> Result<Features, Error> {
     parameters.validate()?;
     match domain {
-        Domain::Surface => detect_on(Body::surface(mesh), parameters, progress),
+        Domain::Surface => detect_on_using(Body::surface(mesh), parameters, spectrum, progress),
         Domain::Volume => {
             report(progress, Stage::Voxelize, 0, 1)?;
             let start = Instant::now();
             let (body, voxelization) = Body::volume(mesh, &parameters.voxelize)?;
             let seconds = start.elapsed().as_secs_f64();
             report(progress, Stage::Voxelize, 1, 1)?;
-            let mut features = detect_on(body, parameters, progress)?;
+            let mut features = detect_on_using(body, parameters, spectrum, progress)?;
             features.voxelization = Some(voxelization);
             features.times.insert(0, StageTime { stage: Stage::Voxelize, seconds });
             Ok(features)
@@ -103,6 +120,19 @@ pub fn detect(
 /// # Errors
 /// As [`detect`].
 pub fn detect_on(body: Body, parameters: &Parameters, progress: ProgressFn) -> Result<Features, Error> {
+    detect_on_using(body, parameters, &Body::spectrum, progress)
+}
+
+/// As [`detect_on`], with eigenpairs from elsewhere.
+///
+/// # Errors
+/// As [`detect`].
+pub fn detect_on_using(
+    body: Body,
+    parameters: &Parameters,
+    spectrum: SpectrumFn,
+    progress: ProgressFn,
+) -> Result<Features, Error> {
     parameters.validate()?;
     let mut times = Vec::new();
     let mut start = Instant::now();
@@ -110,7 +140,7 @@ pub fn detect_on(body: Body, parameters: &Parameters, progress: ProgressFn) -> R
         times.push(StageTime { stage, seconds: start.elapsed().as_secs_f64() });
         start = Instant::now();
     };
-    let Spectrum { basis, report: spectrum } = body.spectrum(&parameters.spectrum, progress)?;
+    let Spectrum { basis, report: spectrum } = spectrum(&body, &parameters.spectrum, progress)?;
     lap(Stage::Spectrum);
     let Found { regions, trees, duplicates } = find_regions(&body, &basis, parameters, progress)?;
     lap(Stage::Regions);

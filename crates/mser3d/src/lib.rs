@@ -45,7 +45,9 @@ mod regions;
 mod weight;
 
 pub use body::{Body, Graph};
-pub use detect::{Features, StageTime, describe, detect, detect_on};
+pub use detect::{
+    Features, SpectrumFn, StageTime, describe, detect, detect_on, detect_on_using, detect_using,
+};
 pub use error::Error;
 pub use estimate::{Estimate, estimate};
 pub use mser3d_shape::Domain;
