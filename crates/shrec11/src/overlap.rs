@@ -71,24 +71,64 @@ impl Overlaps {
         transformed_regions: &[VertexSet],
         transfer: &Transfer,
     ) -> Result<Self, ShrecError> {
+        Self::compare(null, null_regions, transformed_regions, transfer, false)
+    }
+
+    /// As [`new`](Self::new), but the null regions count only where the transformed shape has a
+    /// counterpart ([`Transfer::covered`]): for partial shapes and views, of which a whole region can
+    /// never be found. The common part is what Mikolajczyk et al. (2005) compare regions of images on.
+    /// It is kinder: a region of which only a corner is left is found if the corner is.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn on_common_part(
+        null: &NullShape,
+        null_regions: &[VertexSet],
+        transformed_regions: &[VertexSet],
+        transfer: &Transfer,
+    ) -> Result<Self, ShrecError> {
+        Self::compare(null, null_regions, transformed_regions, transfer, true)
+    }
+
+    fn compare(
+        null: &NullShape,
+        null_regions: &[VertexSet],
+        transformed_regions: &[VertexSet],
+        transfer: &Transfer,
+        common_part: bool,
+    ) -> Result<Self, ShrecError> {
         let vertices = null.vertex_areas.len();
-        let sizes = null_regions.iter().map(VertexSet::vertices).chain([transfer.covered().vertices()]);
+        let covered = transfer.covered();
+        let sizes = null_regions.iter().map(VertexSet::vertices).chain([covered.vertices()]);
         for found in sizes {
             if found != vertices {
                 let what = "vertices of the shape that a null region is on";
                 return Err(ShrecError::SizeMismatch { what, found, expected: vertices });
             }
         }
+        let mirrored = |set: &VertexSet| {
+            let mirror = null.mirror.as_ref()?;
+            Some(VertexSet::from_fn(vertices, |v| set.contains(mirror[v] as usize)))
+        };
+        // Null regions as the direct and as the mirrored map see them.
+        let visible = |covered: &VertexSet| -> Vec<VertexSet> {
+            null_regions
+                .iter()
+                .map(|r| if common_part { r.intersection(covered) } else { r.clone() })
+                .collect()
+        };
+        let targets = visible(&covered);
+        let mirrored_targets = mirrored(&covered).map(|covered| visible(&covered)).unwrap_or_default();
         let mut values = Vec::with_capacity(null_regions.len() * transformed_regions.len());
         for region in transformed_regions {
             let direct = transfer.carry(region)?;
-            let mirrored = null
-                .mirror
-                .as_ref()
-                .map(|mirror| VertexSet::from_fn(vertices, |v| direct.contains(mirror[v] as usize)));
-            for target in null_regions {
-                let overlap = |r: &VertexSet| r.overlap(target, &null.vertex_areas);
-                values.push(mirrored.as_ref().map_or(0.0, overlap).max(overlap(&direct)));
+            let mirrored = mirrored(&direct);
+            for (number, target) in targets.iter().enumerate() {
+                let overlap = direct.overlap(target, &null.vertex_areas);
+                let other = mirrored
+                    .as_ref()
+                    .map_or(0.0, |m| m.overlap(&mirrored_targets[number], &null.vertex_areas));
+                values.push(overlap.max(other));
             }
         }
         Ok(Self { values, null_regions: null_regions.len(), transformed_regions: transformed_regions.len() })
@@ -200,6 +240,24 @@ mod tests {
         let mirrored = Overlaps::new(&sheet, &null, &transformed, &Transfer::identity(7)).unwrap();
         assert_eq!(mirrored.best(), [1.0]);
         assert!(sheet.with_symmetry(vec![7; 7]).is_err());
+    }
+
+    #[test]
+    fn on_the_common_part_a_missing_piece_is_not_missed() {
+        // Of the sheet only the first triangle is left: vertices 0, 1 and 3.
+        let null = sheet();
+        let part = TriangleMesh::new([0, 1, 3].map(|v| null.mesh().vertices()[v]).to_vec(), vec![[0, 1, 2]]);
+        let points = [0, 1, 2].map(|corner| Some(crate::SurfacePoint::corner(0, corner)));
+        let transfer = Transfer::new(null.mesh(), &part.unwrap(), &points).unwrap();
+        let left: Vec<usize> = transfer.covered().members().collect();
+        assert_eq!(left, [0, 1, 2, 3]); // vertex 2 is within an edge's length
+        let (whole, found) = (sets(&[&[0, 1, 2, 3, 4, 5, 6]]), [VertexSet::from_fn(3, |_| true)]);
+        let strict = Overlaps::new(&null, &whole, &found, &transfer).unwrap();
+        assert!((strict.get(0, 0) - 1.0 / 3.0).abs() < 1e-15); // area 1 of 3
+        let common = Overlaps::on_common_part(&null, &whole, &found, &transfer).unwrap();
+        assert_eq!(common.get(0, 0), 1.0);
+        let mirrored = null.with_symmetry((0..7).collect()).unwrap();
+        assert_eq!(Overlaps::on_common_part(&mirrored, &whole, &found, &transfer).unwrap(), common);
     }
 
     #[test]

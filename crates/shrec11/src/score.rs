@@ -22,6 +22,8 @@ pub struct Score {
     pub strength: u32,
     /// Each region's best overlap: [`Overlaps::best`](crate::Overlaps::best).
     pub best: Vec<f64>,
+    /// The same on the common part: [`Overlaps::on_common_part`](crate::Overlaps::on_common_part).
+    pub best_common: Vec<f64>,
     /// Each region's overlap with its match: [`Overlaps::matched`](crate::Overlaps::matched).
     pub matched: Vec<f64>,
 }
@@ -40,18 +42,30 @@ impl Score {
         transfer: &Transfer,
     ) -> Result<Self, ShrecError> {
         let overlaps = Overlaps::new(null, &on_null.regions, &on_transformed.regions, transfer)?;
+        let common = Overlaps::on_common_part(null, &on_null.regions, &on_transformed.regions, transfer)?;
         let described = !on_null.descriptors.is_empty() && !on_transformed.descriptors.is_empty();
         let matched = if described {
             overlaps.matched(&on_null.descriptors, &on_transformed.descriptors)?
         } else {
             Vec::new()
         };
-        Ok(Self { class: name.class.clone(), strength: name.strength, best: overlaps.best(), matched })
+        Ok(Self {
+            class: name.class.clone(),
+            strength: name.strength,
+            best: overlaps.best(),
+            best_common: common.best(),
+            matched,
+        })
     }
 
     /// Share of regions that were found again.
     pub fn repeatability(&self, threshold: f64) -> f64 {
         share_above(&self.best, threshold)
+    }
+
+    /// Share of regions that were found again, judged by what is left of the null shape.
+    pub fn repeatability_on_common_part(&self, threshold: f64) -> f64 {
+        share_above(&self.best_common, threshold)
     }
 
     /// Number of regions that were found again.
@@ -70,7 +84,9 @@ impl Score {
 ///
 /// ```
 /// # use mser3d_shrec11::{mean_score, Score};
-/// let score = |strength, best| Score { class: "noise".into(), strength, best, matched: vec![] };
+/// let score = |strength, best: Vec<f64>| {
+///     Score { class: "noise".into(), strength, best_common: best.clone(), best, matched: vec![] }
+/// };
 /// let scores = [score(1, vec![0.9, 0.9]), score(4, vec![])];
 /// assert_eq!(mean_score(&scores, Some("noise"), 3, |s| s.repeatability(0.8)), Some(1.0));
 /// assert_eq!(mean_score(&scores, Some("noise"), 5, |s| s.repeatability(0.8)), Some(0.5));

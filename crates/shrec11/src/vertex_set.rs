@@ -62,6 +62,16 @@ impl VertexSet {
         (0..self.vertices).filter(|&v| self.contains(v))
     }
 
+    /// The vertices in both sets.
+    ///
+    /// # Panics
+    /// When the sizes differ.
+    pub fn intersection(&self, other: &Self) -> Self {
+        assert_eq!(self.vertices, other.vertices);
+        let words = self.words.iter().zip(&other.words).map(|(a, b)| a & b).collect();
+        Self { words, vertices: self.vertices }
+    }
+
     /// |A and B| / |A or B| with a weight per vertex; 0 when neither weighs anything.
     ///
     /// # Panics
@@ -107,6 +117,7 @@ mod tests {
         assert_eq!(set(&[0, 1]).overlap(&set(&[1, 2]), &weight), 2.0 / 7.0);
         assert_eq!(set(&[3]).overlap(&set(&[3]), &weight), 1.0);
         assert_eq!(set(&[3]).overlap(&set(&[0]), &weight), 0.0);
+        assert_eq!(set(&[0, 1]).intersection(&set(&[1, 2])), set(&[1]));
         assert_eq!(set(&[]).overlap(&set(&[]), &weight), 0.0);
     }
 }
