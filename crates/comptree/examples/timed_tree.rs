@@ -4,7 +4,7 @@
 //!     timed_tree FIELD f32|f64|u8|u16 NX NY NZ 4|8|6|18|26 vertex|edge REPEATS [OUT]
 //!
 //! FIELD holds NX NY NZ little-endian values, x fastest. Edge weights are absolute differences. Prints
-//! seconds and processor seconds of each repeat, nodes, and bytes at the peak beyond the input; writes (altitude, volume) of
+//! seconds of each repeat, processor seconds of a repeat on average, nodes, and bytes at the peak beyond the input; writes (altitude, volume) of
 //! all nodes as pairs of f64 to OUT.
 use std::error::Error;
 use std::time::Instant;
@@ -52,9 +52,11 @@ impl Job<'_> {
     fn run<V: GreyValue>(&self, values: Vec<V>) -> Result<(), Box<dyn Error>> {
         let base = resident("VmRSS");
         let mut tree = None;
-        for _ in 0..self.repeats.max(1) {
+        let repeats = self.repeats.max(1);
+        let worked = processor_seconds();
+        for _ in 0..repeats {
             drop(tree.take());
-            let (start, worked) = (Instant::now(), processor_seconds());
+            let start = Instant::now();
             tree = Some(if self.edge {
                 let value = |v: u32| -> f64 { values[v as usize].into() };
                 let difference = |u, v| (value(u) - value(v)).abs();
@@ -62,10 +64,10 @@ impl Job<'_> {
             } else {
                 ComponentTree::from_grid(self.dims, self.stencil, &values, 1.0, Polarity::Sublevel)?
             });
-            println!("seconds {:.4}", start.elapsed().as_secs_f64());
-            if let (Some(before), Some(after)) = (worked, processor_seconds()) {
-                println!("cpu {:.2}", after - before);
-            }
+            println!("seconds {:.5}", start.elapsed().as_secs_f64());
+        }
+        if let (Some(before), Some(after)) = (worked, processor_seconds()) {
+            println!("cpu {:.5}", (after - before) / repeats as f64);
         }
         let Some(tree) = tree else { return Ok(()) };
         println!("nodes {}", tree.len());

@@ -61,7 +61,7 @@ struct Saddle {
 /// Kruskal's algorithm on the graph of basins.
 pub(super) fn merge_basins<R: Relief>(relief: &R, basins: &Basins, parts: usize) -> Arcs {
     let mut saddles = saddles(relief, basins, parts);
-    saddles.par_sort_unstable_by(|a, b| a.level.total_cmp(&b.level));
+    sort(&mut saddles, parts);
     let count = basins.minima.len();
     let mut parents = vec![NONE; count];
     let mut births: Vec<f64> = basins.minima.iter().map(|&v| relief.level(v)).collect();
@@ -78,6 +78,18 @@ pub(super) fn merge_basins<R: Relief>(relief: &R, basins: &Basins, parts: usize)
         }
     }
     without_empty(parents, births, count)
+}
+
+/// By level: sorted runs, one a thread, which the stable sort then only merges.
+fn sort(saddles: &mut [Saddle], parts: usize) {
+    let order = |a: &Saddle, b: &Saddle| a.level.total_cmp(&b.level);
+    if parts > 1 {
+        let run = saddles.len().div_ceil(parts).max(1);
+        saddles.par_chunks_mut(run).for_each(|run| run.sort_unstable_by(order));
+        saddles.sort_by(order);
+    } else {
+        saddles.sort_unstable_by(order);
+    }
 }
 
 /// Drops arcs that end at the level where they begin.
@@ -150,6 +162,11 @@ fn saddles<R: Relief>(relief: &R, basins: &Basins, parts: usize) -> Vec<Saddle> 
                     return;
                 }
                 match &mut found {
+                    // Along a row the same two basins often meet again.
+                    Found::Few(saddles) if saddles.last().is_some_and(|last| last.basins == basins) => {
+                        let last = saddles.len() - 1;
+                        saddles[last].level = saddles[last].level.min(level);
+                    }
                     Found::Few(saddles) if saddles.len() < most => saddles.push(Saddle { level, basins }),
                     Found::Few(saddles) => {
                         let mut best = Lowest::of(count, std::mem::take(saddles), &group);
