@@ -16,7 +16,7 @@ impl Results {
     /// [`ResultsError::NotAResult`], [`ResultsError::OtherFormat`], [`ResultsError::Broken`],
     /// [`ResultsError::Io`] or [`ResultsError::File`], naming the file.
     pub fn load(folder: &Path) -> Result<Self, ResultsError> {
-        let record = read_record(folder)?;
+        let record = Record::load(folder)?;
         let path = folder.join("features.npz");
         let mut arrays = Arrays { arrays: read_npz(&path)?, path };
         let regions = record.regions.len();
@@ -74,32 +74,40 @@ impl Results {
     }
 }
 
-fn read_record(folder: &Path) -> Result<Record, ResultsError> {
-    let path = folder.join("regions.json");
-    let text = std::fs::read(&path).map_err(|error| match error.kind() {
-        std::io::ErrorKind::NotFound => ResultsError::NotAResult { folder: folder.to_owned() },
-        _ => ResultsError::Io { path: path.clone(), error },
-    })?;
-    let broken = |e: serde_json::Error| ResultsError::Broken { path: path.clone(), reason: e.to_string() };
-    // The format first: another one may lack anything else.
-    let value: Value = serde_json::from_slice(&text).map_err(broken)?;
-    let found = value["format"].as_u64().unwrap_or(0);
-    if found != FORMAT {
-        let version = value["mser3d"].as_str().unwrap_or("of unknown version").to_owned();
-        return Err(ResultsError::OtherFormat { path, version, found, expected: FORMAT });
-    }
-    let record: Record = serde_json::from_value(value).map_err(broken)?;
-    let (regions, trees) = (record.regions.len(), record.trees.len());
-    for (place, region) in record.regions.iter().enumerate() {
-        let known = region.id as usize == place
-            && region.parent.is_none_or(|p| (p as usize) < regions)
-            && (region.tree as usize) < trees;
-        if !known {
-            let reason = format!("region {} names a region or tree that is not there", region.id);
-            return Err(ResultsError::Broken { path, reason });
+impl Record {
+    /// Reads `regions.json` of a folder, and nothing else.
+    ///
+    /// # Errors
+    /// [`ResultsError::NotAResult`], [`ResultsError::OtherFormat`], [`ResultsError::Broken`],
+    /// [`ResultsError::Io`].
+    pub fn load(folder: &Path) -> Result<Self, ResultsError> {
+        let path = folder.join("regions.json");
+        let text = std::fs::read(&path).map_err(|error| match error.kind() {
+            std::io::ErrorKind::NotFound => ResultsError::NotAResult { folder: folder.to_owned() },
+            _ => ResultsError::Io { path: path.clone(), error },
+        })?;
+        let broken =
+            |e: serde_json::Error| ResultsError::Broken { path: path.clone(), reason: e.to_string() };
+        // The format first: another one may lack anything else.
+        let value: Value = serde_json::from_slice(&text).map_err(broken)?;
+        let found = value["format"].as_u64().unwrap_or(0);
+        if found != FORMAT {
+            let version = value["mser3d"].as_str().unwrap_or("of unknown version").to_owned();
+            return Err(ResultsError::OtherFormat { path, version, found, expected: FORMAT });
         }
+        let record: Self = serde_json::from_value(value).map_err(broken)?;
+        let (regions, trees) = (record.regions.len(), record.trees.len());
+        for (place, region) in record.regions.iter().enumerate() {
+            let known = region.id as usize == place
+                && region.parent.is_none_or(|p| (p as usize) < regions)
+                && (region.tree as usize) < trees;
+            if !known {
+                let reason = format!("region {} names a region or tree that is not there", region.id);
+                return Err(ResultsError::Broken { path, reason });
+            }
+        }
+        Ok(record)
     }
-    Ok(record)
 }
 
 /// The arrays of `features.npz`.
