@@ -86,9 +86,9 @@ impl<'a> State<'a> {
         self.rule != Rule::Parity && self.total >= 2
     }
 
-    /// The state at a point where holes matter: each open body's integer, less what its caps add.
+    /// The state at a marked voxel, where holes matter: each open body's integer, less what its caps add.
     /// Also whether some winding number is too close to call.
-    pub fn corrected(&self, field: &HoleField, point: [f64; 3]) -> (Self, bool) {
+    pub fn corrected(&self, field: &HoleField, voxel: [usize; 3]) -> (Self, bool) {
         let mut state = self.clone();
         let mut unclear = false;
         let mut round = |winding: f64| {
@@ -96,7 +96,7 @@ impl<'a> State<'a> {
             (winding - 0.5).ceil() as i32
         };
         if state.rule == Rule::Bodies {
-            for (body, correction) in field.corrections(point) {
+            for (body, correction) in field.corrections(voxel) {
                 let integer = state.bodies.iter().find(|b| b.0 == body).map_or(0, |b| b.1);
                 let step = round(f64::from(integer) + correction) - integer;
                 if step != 0 {
@@ -105,7 +105,7 @@ impl<'a> State<'a> {
                 }
             }
         } else {
-            let correction: f64 = field.corrections(point).map(|c| c.1).sum();
+            let correction: f64 = field.corrections(voxel).map(|c| c.1).sum();
             state.total = round(f64::from(self.total) + correction);
         }
         (state, unclear)

@@ -158,7 +158,7 @@ impl<'a> Scene<'a> {
                 tally.doubled += if state.doubled() { to - from } else { 0 };
             } else {
                 for i in from..to {
-                    let (state, unclear) = state.corrected(field, self.lattice.centre([i, j, k]));
+                    let (state, unclear) = state.corrected(field, [i, j, k]);
                     if state.inside() {
                         fill(row, i..i + 1);
                     }
@@ -249,7 +249,7 @@ impl<'a> Scene<'a> {
         }
         passed.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut state = match &self.field {
-            Some(field) if field.is_marked(voxel) => state.corrected(field, self.lattice.centre(voxel)).0,
+            Some(field) if field.is_marked(voxel) => state.corrected(field, voxel).0,
             _ => state.clone(),
         };
         passed.pop();

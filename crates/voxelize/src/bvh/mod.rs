@@ -3,6 +3,7 @@
 mod build;
 mod nearest;
 mod rays;
+mod stack;
 mod winding;
 
 pub use nearest::NearestPoint;

@@ -1,6 +1,7 @@
 //! Rays and segments in any direction: S. Woop, C. Benthin and I. Wald, *Watertight ray/triangle
 //! intersection*, 2013.
 
+use super::stack::Stack;
 use super::{Bvh, Node};
 use crate::predicates::{orient3d, side};
 use crate::vector::{Vec3, cross, sub};
@@ -117,7 +118,7 @@ impl Bvh {
             return;
         }
         let ray = Sheared::new(origin, direction);
-        let mut stack = vec![0usize];
+        let mut stack = Stack::new();
         while let Some(i) = stack.pop() {
             let node = &self.nodes[i];
             if !ray.meets(node, limit) {
@@ -152,7 +153,7 @@ impl Bvh {
         }
         let low: Vec3 = std::array::from_fn(|a| p[a].min(q[a]));
         let high: Vec3 = std::array::from_fn(|a| p[a].max(q[a]));
-        let mut stack = vec![0usize];
+        let mut stack = Stack::new();
         while let Some(i) = stack.pop() {
             let node = &self.nodes[i];
             let apart = (0..3).any(|a| node.bounds.min[a] > high[a] || node.bounds.max[a] < low[a]);
