@@ -19,6 +19,8 @@ pub struct Body {
 }
 
 /// How the elements of a [`Body`] hang together.
+// A grid is large beside a mesh, but there is one for each shape.
+#[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug)]
 pub enum Graph {
     /// Voxels, neighbours as linked by the voxelizer.
@@ -110,8 +112,16 @@ impl Body {
     /// The smallest eigenpairs of the Laplacian. They serve any number of weights.
     ///
     /// # Errors
-    /// [`Error::Laplace`], [`Error::Spectral`], [`Error::Cancelled`].
+    /// [`Error::Laplace`], [`Error::Spectral`], [`Error::Scale`], [`Error::Cancelled`].
     pub fn spectrum(&self, parameters: &SpectrumParameters, progress: ProgressFn) -> Result<Spectrum, Error> {
+        let length = match &self.graph {
+            Graph::Voxels { grid, .. } => grid.frame().spacing()[0] * (grid.len() as f64).cbrt(),
+            Graph::Surface { mesh, .. } => mesh.bounding_box().map_or(0.0, |b| b.diagonal()),
+        };
+        // Shapes of no size at all are the solver's to refuse.
+        if length > 0.0 && !(1e-20..=1e20).contains(&length) {
+            return Err(Error::Scale { length });
+        }
         let total = parameters.eigenpairs;
         let report = |done: usize| progress(Progress { stage: Stage::Spectrum, done, total });
         let spectrum = match &self.graph {

@@ -20,6 +20,15 @@ pub enum Error {
     /// The data does not fit together.
     #[error(transparent)]
     Shape(#[from] mser3d_shape::ShapeError),
+    /// Coordinates so large or small that volumes or eigenvalues over- or underflow.
+    #[error(
+        "the shape measures about {length:.1e} across in its own units; \
+         scale it so that this is between 1e-20 and 1e20 (its regions don't depend on the unit)"
+    )]
+    Scale {
+        /// Cube root of the volume, or the surface's diagonal.
+        length: f64,
+    },
     /// A parameter of the pipeline itself is out of range.
     #[error("{name} {problem}")]
     BadParameter {

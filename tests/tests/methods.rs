@@ -1,0 +1,94 @@
+//! The other ways through the pipeline: surfaces, weights, neighbourhoods, modes.
+
+use std::collections::HashSet;
+
+use mser3d::comptree::Mode;
+use mser3d::shape::Connectivity;
+use mser3d::{Domain, Features, Weight, detect, no_progress};
+use mser3d_tests::{coarse, fixture, solid_features};
+
+/// Regions come by size, are nested or disjoint within a tree, and name as parent the smallest region
+/// that contains them.
+fn assert_consistent(features: &Features) {
+    let sets: Vec<HashSet<u32>> =
+        features.regions.iter().map(|r| r.elements.iter().copied().collect()).collect();
+    for (i, region) in features.regions.iter().enumerate() {
+        assert!(region.elements.is_sorted() && sets[i].len() == region.elements.len());
+        assert!(region.volume_fraction > 0.0 && region.volume_fraction < 1.0);
+        for j in 0..i {
+            assert!(features.regions[j].volume >= region.volume);
+            if features.regions[j].tree == region.tree {
+                assert!(sets[i].is_subset(&sets[j]) || sets[i].is_disjoint(&sets[j]), "{j} and {i}");
+            }
+        }
+        let parent = (0..sets.len()).rev().find(|&j| j < i && sets[i].is_subset(&sets[j]));
+        assert_eq!(region.parent, parent, "of {i}");
+        let map = features.body.element_of_vertex();
+        let expected: Vec<u32> =
+            (0..map.len() as u32).filter(|&v| sets[i].contains(&map[v as usize])).collect();
+        assert_eq!(region.vertices, expected);
+    }
+}
+
+/// The farthest any region's centroid is from the axis of a figure, left and right.
+fn reach(features: &Features) -> [f64; 2] {
+    let x = features.regions.iter().map(|r| r.centroid[0]);
+    x.fold([0.0; 2], |[right, left], x| [right.min(x), left.max(x)])
+}
+
+#[test]
+fn every_weight_finds_both_arms_in_the_volume_and_on_the_surface() {
+    let mesh = fixture("human_rest.off");
+    let mut parameters = coarse(4000, 60);
+    for weight in [Weight::Heat, Weight::CommuteTime, Weight::HeatEdge] {
+        parameters.weight = weight;
+        for domain in [Domain::Volume, Domain::Surface] {
+            let features = detect(&mesh, domain, &parameters, &no_progress).unwrap();
+            assert_consistent(&features);
+            assert_eq!(features.trees.len(), if weight.has_time_scale() { 4 } else { 1 });
+            let [right, left] = reach(&features);
+            assert!(features.regions.len() >= 8, "{weight:?} {domain:?}: {}", features.regions.len());
+            assert!(right < -0.3 && left > 0.3, "{weight:?} {domain:?}: {right} {left}");
+        }
+    }
+}
+
+#[test]
+fn diagonal_neighbours_follow_the_same_rules() {
+    for pose in ["human_rest.off", "human_touch.off"] {
+        let mesh = fixture(pose);
+        let mut parameters = coarse(4000, 40);
+        let six = solid_features(&mesh, &parameters);
+        parameters.voxelize.connectivity = Connectivity::TwentySix;
+        let all = solid_features(&mesh, &parameters);
+        assert_consistent(&all);
+        let [a, b] = [&six, &all].map(|f| f.regions.len());
+        assert!(a.abs_diff(b) <= 3, "{pose}: {a} regions with 6 neighbours, {b} with 26");
+        // The Laplacian has six neighbours in either case.
+        if six.body.len() == all.body.len() {
+            assert_eq!(six.basis.eigenvalues(), all.basis.eigenvalues());
+        }
+    }
+}
+
+#[test]
+fn modes_differ_as_published() {
+    let mesh = fixture("human_rest.off");
+    let mut parameters = coarse(4000, 40);
+    let mut count = |mode| {
+        parameters.stability.mode = mode;
+        let features = solid_features(&mesh, &parameters);
+        assert_consistent(&features);
+        for tree in &features.trees {
+            let r = &tree.selection.report;
+            let cut = r.too_small + r.too_large + r.unstable + r.overlapping;
+            assert_eq!(r.candidates - cut, r.kept, "{r:?}");
+            assert!(r.candidates <= r.nodes);
+        }
+        features.regions.len()
+    };
+    // Neighbouring differences are noise: they let most nodes through.
+    let [windowed, paper, baseline] =
+        [Mode::Windowed { window: 0.2 }, Mode::Paper, Mode::Baseline].map(&mut count);
+    assert!(baseline < windowed && windowed < paper, "{baseline} {windowed} {paper}");
+}
