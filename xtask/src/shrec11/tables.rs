@@ -9,12 +9,16 @@ use super::run::Scores;
 
 /// A row for each region of each transformed shape.
 pub fn regions_csv(scores: &Scores) -> String {
-    let mut csv = String::from("detector,class,strength,region,best_overlap,matched_overlap\n");
+    let mut csv = String::from(
+        "detector,class,strength,region,best_overlap,best_overlap_on_common_part,matched_overlap\n",
+    );
     for (detector, scores) in scores {
         for s in scores {
             for (region, best) in s.best.iter().enumerate() {
+                let common = s.best_common.get(region).map_or(String::new(), f64::to_string);
                 let matched = s.matched.get(region).map_or(String::new(), f64::to_string);
-                let _ = writeln!(csv, "{detector},{},{},{region},{best},{matched}", s.class, s.strength);
+                let _ =
+                    writeln!(csv, "{detector},{},{},{region},{best},{common},{matched}", s.class, s.strength);
             }
         }
     }
@@ -42,11 +46,14 @@ pub fn shapes_csv(scores: &Scores) -> String {
 /// Means by class and over all classes, as Markdown.
 pub fn summary(scores: &Scores) -> String {
     let mut text = String::new();
-    let tables: [(&str, u32, fn(&Score) -> f64); 8] = [
+    let tables: [(&str, u32, fn(&Score) -> f64); 9] = [
         ("Repeatability at overlap 0.8, all strengths", 5, |s| s.repeatability(0.8)),
         ("Repeatability at overlap 0.8, strengths up to 3", 3, |s| s.repeatability(0.8)),
         ("Repeatability at overlap 0.7, all strengths", 5, |s| s.repeatability(0.7)),
         ("Repeatability at overlap 0.9, all strengths", 5, |s| s.repeatability(0.9)),
+        ("Repeatability at overlap 0.8 on the common part, all strengths", 5, |s| {
+            s.repeatability_on_common_part(0.8)
+        }),
         ("Matching score at overlap 0.8, all strengths", 5, |s| s.matching(0.8)),
         ("Matching score at overlap 0.8, strengths up to 3", 3, |s| s.matching(0.8)),
         ("Regions of a shape", 5, |s| s.best.len() as f64),
@@ -88,6 +95,7 @@ mod tests {
             class: class.into(),
             strength,
             best: best.to_vec(),
+            best_common: best.to_vec(),
             matched: matched.to_vec(),
         };
         let ours = vec![
