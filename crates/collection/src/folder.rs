@@ -1,0 +1,178 @@
+use std::fs::{self, File, TryLockError};
+use std::path::{Path, PathBuf};
+
+use crate::{CollectionError, Shard};
+
+/// The folder of a collection, while a batch writes to it.
+///
+/// ```text
+/// collection/
+///   NAME/regions.json ...    a result, or
+///   NAME/failure.json        why there is none
+///   .NAME.partial/           a result that is being written
+///   .NAME.old/               one that is being replaced
+///   shapes.parquet, regions.parquet, failures.json: made of all results, when nothing is under way
+/// ```
+pub(crate) struct CollectionFolder {
+    path: PathBuf,
+    /// Held as long as the batch runs; the system lets go of them when it is killed.
+    _locks: Vec<File>,
+}
+
+/// What is made of all results: the last to appear and the first to go.
+pub(crate) const TABLES: [&str; 3] = ["shapes.parquet", "regions.parquet", "failures.json"];
+
+impl CollectionFolder {
+    /// Makes the folder if it is not there, and keeps other batches out of it (other shards are welcome).
+    pub fn open(path: &Path, shard: Option<Shard>) -> Result<Self, CollectionError> {
+        fs::create_dir_all(path).map_err(CollectionError::io(path))?;
+        let busy = |part: String| CollectionError::Busy { folder: path.to_owned(), part };
+        let lock = |name: &str, shared: bool, part: &str| {
+            let file = path.join(name);
+            let locked = File::options().create(true).append(true).open(&file);
+            let locked = locked.map_err(CollectionError::io(&file))?;
+            let attempt = if shared { locked.try_lock_shared() } else { locked.try_lock() };
+            match attempt {
+                Err(TryLockError::WouldBlock) => Err(busy(part.to_owned())),
+                // Some network file systems have no locks; then the user has to take care.
+                _ => Ok(locked),
+            }
+        };
+        let mut locks = vec![lock(".lock", shard.is_some(), "")?];
+        if let Some(shard) = shard {
+            let name = format!(".lock-{}", shard.to_string().replace('/', "-of-"));
+            locks.push(lock(&name, false, &format!(", as shard {shard}"))?);
+        }
+        Ok(Self { path: path.to_owned(), _locks: locks })
+    }
+
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    pub fn result(&self, name: &str) -> PathBuf {
+        self.path.join(name)
+    }
+
+    /// Takes the tables away, because results are about to change.
+    pub fn remove_tables(&self) -> Result<(), CollectionError> {
+        TABLES.iter().map(|name| self.path.join(name)).try_for_each(|file| remove_file(&file))
+    }
+
+    /// An empty hidden folder to write a result into.
+    pub fn begin(&self, name: &str) -> Result<PathBuf, CollectionError> {
+        let partial = self.path.join(format!(".{name}.partial"));
+        remove_folder(&partial)?;
+        remove_folder(&self.path.join(format!(".{name}.old")))?;
+        fs::create_dir(&partial).map_err(CollectionError::io(&partial))?;
+        Ok(partial)
+    }
+
+    /// Gives a hidden folder its name, in place of the result before it.
+    pub fn publish(&self, name: &str, partial: &Path) -> Result<(), CollectionError> {
+        let (result, old) = (self.result(name), self.path.join(format!(".{name}.old")));
+        if result.exists() {
+            if !is_ours(&result) {
+                return Err(CollectionError::NotACollection {
+                    folder: result,
+                    problem:
+                        "is in the way and no result of a batch; move it, or give another folder with -o"
+                            .to_owned(),
+                });
+            }
+            fs::rename(&result, &old).map_err(CollectionError::io(&result))?;
+        }
+        fs::rename(partial, &result).map_err(CollectionError::io(&result))?;
+        remove_folder(&old)
+    }
+
+    /// Removes what batches that were killed left behind.
+    pub fn sweep(&self) -> Result<(), CollectionError> {
+        for entry in fs::read_dir(&self.path).map_err(CollectionError::io(&self.path))? {
+            let entry = entry.map_err(CollectionError::io(&self.path))?;
+            let name = entry.file_name().to_string_lossy().into_owned();
+            if !(name.starts_with('.') && (name.ends_with(".partial") || name.ends_with(".old"))) {
+                continue;
+            }
+            if entry.path().is_dir() {
+                remove_folder(&entry.path())?;
+            } else {
+                remove_file(&entry.path())?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether a folder holds what batches write, or nothing.
+fn is_ours(folder: &Path) -> bool {
+    let has = |name: &str| folder.join(name).is_file();
+    has("regions.json")
+        || has("failure.json")
+        || fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none())
+}
+
+fn remove_folder(path: &Path) -> Result<(), CollectionError> {
+    ignore_missing(fs::remove_dir_all(path)).map_err(CollectionError::io(path))
+}
+
+fn remove_file(path: &Path) -> Result<(), CollectionError> {
+    ignore_missing(fs::remove_file(path)).map_err(CollectionError::io(path))
+}
+
+fn ignore_missing(result: std::io::Result<()>) -> std::io::Result<()> {
+    match result {
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(()),
+        other => other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shards_share_a_collection_but_nobody_does_the_same_work_twice() {
+        let folder = tempfile::tempdir().unwrap();
+        let shard = |i| Some(Shard::new(i, 2).unwrap());
+        let first = CollectionFolder::open(folder.path(), shard(1)).unwrap();
+        let second = CollectionFolder::open(folder.path(), shard(2)).unwrap();
+        for (wanted, named) in [(shard(1), "as shard 1/2"), (None, "another batch")] {
+            let error = CollectionFolder::open(folder.path(), wanted).err().unwrap().to_string();
+            assert!(error.contains(named), "{error}");
+        }
+        drop((first, second));
+        let whole = CollectionFolder::open(folder.path(), None).unwrap();
+        assert!(matches!(CollectionFolder::open(folder.path(), shard(1)), Err(CollectionError::Busy { .. })));
+        drop(whole);
+    }
+
+    #[test]
+    fn a_result_is_replaced_as_a_whole_and_leftovers_go() {
+        let root = tempfile::tempdir().unwrap();
+        let folder = CollectionFolder::open(root.path(), None).unwrap();
+        for text in ["first", "second"] {
+            let partial = folder.begin("a").unwrap();
+            fs::write(partial.join("regions.json"), text).unwrap();
+            fs::write(partial.join(text), "").unwrap();
+            folder.publish("a", &partial).unwrap();
+            assert_eq!(fs::read_to_string(root.path().join("a/regions.json")).unwrap(), text);
+        }
+        assert!(!root.path().join("a/first").exists());
+        folder.begin("b").unwrap();
+        folder.sweep().unwrap();
+        assert_eq!(fs::read_dir(root.path()).unwrap().count(), 2, "a and the lock");
+    }
+
+    #[test]
+    fn other_peoples_folders_are_left_alone() {
+        let root = tempfile::tempdir().unwrap();
+        let folder = CollectionFolder::open(root.path(), None).unwrap();
+        fs::create_dir(root.path().join("a")).unwrap();
+        fs::write(root.path().join("a/notes.txt"), "mine").unwrap();
+        let partial = folder.begin("a").unwrap();
+        let error = folder.publish("a", &partial).unwrap_err().to_string();
+        assert!(error.contains("in the way"), "{error}");
+        assert_eq!(fs::read_to_string(root.path().join("a/notes.txt")).unwrap(), "mine");
+    }
+}

@@ -1,0 +1,230 @@
+use std::path::Path;
+
+use mser3d_meshio::{NpyValues, read_npz, write_atomically};
+use mser3d_results::{Record, ResultsError};
+use serde_json::Value;
+
+use crate::folder::CollectionFolder;
+use crate::parquet::{self, Column};
+use crate::{CollectionError, DescriptorSettings};
+
+/// What the tables of a collection were made of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tables {
+    /// Shapes with a result: rows of `shapes.parquet`.
+    pub shapes: usize,
+    /// Their regions: rows of `regions.parquet`.
+    pub regions: usize,
+    /// Shapes without a result: entries of `failures.json`.
+    pub failures: usize,
+}
+
+/// The key under which `regions.parquet` notes how its descriptors were made.
+pub(crate) const SETTINGS: &str = "mser3d.descriptor_settings";
+
+/// Makes `shapes.parquet`, `regions.parquet` and `failures.json` of all results in a folder, by name: the
+/// last step of a batch that was run in shards. The same results make the same bytes.
+///
+/// | `shapes.parquet` | |
+/// |---|---|
+/// | `shape` | name, the result's folder |
+/// | `path`, `sha256`, `animation`, `time` | the input |
+/// | `domain`, `version` | volume or surface; that of mser3d |
+/// | `vertices`, `voxels`, `pitch` | of the mesh and the grid; none for a surface |
+/// | `measure` | volume or area |
+/// | `regions`, `warnings` | how many |
+///
+/// | `regions.parquet` | |
+/// |---|---|
+/// | `shape`, `region` | name and number: a region's key |
+/// | `parent`, `tree`, `altitude`, `stability`, `volume`, `volume_fraction`, `voxels`, `vertices`, `x`, `y`, `z` | as in `regions.json`; x, y, z is the centroid |
+/// | `descriptor` | a list of numbers |
+///
+/// # Errors
+/// [`CollectionError::NotACollection`] for a folder without results,
+/// [`CollectionError::DifferentDescriptors`] when the results do not belong together,
+/// [`CollectionError::Busy`], and errors of reading and writing.
+pub fn build_tables(folder: &Path) -> Result<Tables, CollectionError> {
+    if !folder.is_dir() {
+        let problem = "there is no such folder; give that of a batch".to_owned();
+        return Err(CollectionError::NotACollection { folder: folder.to_owned(), problem });
+    }
+    build(&CollectionFolder::open(folder, None)?)
+}
+
+pub(crate) fn build(folder: &CollectionFolder) -> Result<Tables, CollectionError> {
+    let root = folder.path();
+    folder.remove_tables()?;
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(root).map_err(CollectionError::io(root))? {
+        let entry = entry.map_err(CollectionError::io(root))?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if !name.starts_with('.') && entry.path().is_dir() {
+            names.push(name);
+        }
+    }
+    names.sort();
+    let mut rows = Rows::default();
+    let mut failures = Vec::new();
+    let mut settings: Option<(String, DescriptorSettings)> = None;
+    for name in names {
+        let result = folder.result(&name);
+        let failure = result.join("failure.json");
+        if let Ok(text) = std::fs::read(&failure) {
+            let broken = |e: serde_json::Error| ResultsError::Broken { path: failure, reason: e.to_string() };
+            failures.push(serde_json::from_slice::<Value>(&text).map_err(broken)?);
+            continue;
+        }
+        let record = match Record::load(&result) {
+            Err(ResultsError::NotAResult { .. }) => continue,
+            record => record?,
+        };
+        let own = DescriptorSettings::of(&record, &result)?;
+        match &settings {
+            None => settings = Some((name.clone(), own)),
+            Some((first, settings)) => {
+                if let Some(what) = settings.difference(&own) {
+                    let first = folder.result(first);
+                    return Err(CollectionError::DifferentDescriptors { first, second: result, what });
+                }
+            }
+        }
+        rows.push(name, &record, descriptors(&result, record.regions.len())?);
+    }
+    let tables = Tables { shapes: rows.shape.len(), regions: rows.of_shape.len(), failures: failures.len() };
+    if tables.shapes + tables.failures == 0 {
+        let problem = "there are no results in this folder; run `mser3d batch` first".to_owned();
+        return Err(CollectionError::NotACollection { folder: root.to_owned(), problem });
+    }
+    write_atomically(&root.join("failures.json"), |out| {
+        use std::io::Write;
+        writeln!(out, "{:#}", Value::Array(failures))
+    })?;
+    let settings = settings.map_or(String::new(), |(_, s)| serde_json::to_string(&s).unwrap_or_default());
+    rows.write(root, settings)?;
+    Ok(tables)
+}
+
+/// The descriptors of a result's regions, row by row.
+fn descriptors(result: &Path, regions: usize) -> Result<Vec<f64>, CollectionError> {
+    let path = result.join("features.npz");
+    let arrays = read_npz(&path)?;
+    match arrays.get("region_descriptor").map(|a| (a.shape(), a.values())) {
+        Some((&[rows, width], NpyValues::F64(values))) if rows == regions && (width > 0 || rows == 0) => {
+            Ok(values.to_vec())
+        }
+        _ => {
+            let reason = format!("there is no array region_descriptor of {regions} rows");
+            Err(ResultsError::Broken { path, reason }.into())
+        }
+    }
+}
+
+/// The columns of both tables.
+#[derive(Default)]
+struct Rows {
+    shape: Vec<String>,
+    path: Vec<String>,
+    sha256: Vec<String>,
+    animation: Vec<Option<String>>,
+    time: Vec<f64>,
+    domain: Vec<String>,
+    version: Vec<String>,
+    vertices: Vec<Option<i32>>,
+    voxels: Vec<Option<i32>>,
+    pitch: Vec<Option<f64>>,
+    measure: Vec<Option<f64>>,
+    regions: Vec<i32>,
+    warnings: Vec<i32>,
+
+    of_shape: Vec<String>,
+    region: Vec<i32>,
+    parent: Vec<Option<i32>>,
+    tree: Vec<i32>,
+    altitude: Vec<f64>,
+    stability: Vec<f64>,
+    volume: Vec<f64>,
+    volume_fraction: Vec<f64>,
+    region_voxels: Vec<Option<i32>>,
+    region_vertices: Vec<i32>,
+    centroid: [Vec<f64>; 3],
+    descriptor: Vec<f64>,
+}
+
+impl Rows {
+    fn push(&mut self, name: String, record: &Record, descriptors: Vec<f64>) {
+        let more = |key: &str| record.more.get(key).unwrap_or(&Value::Null);
+        let (input, grid) = (more("input"), more("voxelization"));
+        let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+        let count = |value: &Value| value.as_i64().and_then(|n| i32::try_from(n).ok());
+        self.path.push(text(&input["path"]));
+        self.sha256.push(text(&input["sha256"]));
+        self.animation.push(input["animation"].as_str().map(str::to_owned));
+        self.time.push(input["time"].as_f64().unwrap_or(0.0));
+        self.domain.push(match record.domain {
+            mser3d::Domain::Volume => "volume".to_owned(),
+            mser3d::Domain::Surface => "surface".to_owned(),
+        });
+        self.version.push(record.mser3d.clone());
+        self.vertices.push(count(&input["diagnosis"]["vertices"]));
+        self.voxels.push(count(&grid["voxels"]));
+        self.pitch.push(grid["spacing"][0].as_f64());
+        let own = record.regions.first().map(|r| r.volume / r.volume_fraction);
+        self.measure.push(grid["volume"].as_f64().or(own));
+        self.regions.push(record.regions.len() as i32);
+        self.warnings.push(more("warnings").as_array().map_or(0, Vec::len) as i32);
+        for region in &record.regions {
+            self.of_shape.push(name.clone());
+            self.region.push(region.id as i32);
+            self.parent.push(region.parent.map(|p| p as i32));
+            self.tree.push(region.tree as i32);
+            self.altitude.push(region.altitude);
+            self.stability.push(region.stability);
+            self.volume.push(region.volume);
+            self.volume_fraction.push(region.volume_fraction);
+            self.region_voxels.push(region.voxels.and_then(|n| i32::try_from(n).ok()));
+            self.region_vertices.push(region.vertices as i32);
+            (0..3).for_each(|a| self.centroid[a].push(region.centroid[a]));
+        }
+        self.descriptor.extend(descriptors);
+        self.shape.push(name);
+    }
+
+    fn write(self, root: &Path, settings: String) -> Result<(), CollectionError> {
+        let width = self.descriptor.len().checked_div(self.of_shape.len()).unwrap_or(1);
+        let [x, y, z] = self.centroid;
+        let regions = [
+            ("shape", Column::Text(self.of_shape)),
+            ("region", Column::Integer(self.region)),
+            ("parent", Column::OptionalInteger(self.parent)),
+            ("tree", Column::Integer(self.tree)),
+            ("altitude", Column::Number(self.altitude)),
+            ("stability", Column::Number(self.stability)),
+            ("volume", Column::Number(self.volume)),
+            ("volume_fraction", Column::Number(self.volume_fraction)),
+            ("voxels", Column::OptionalInteger(self.region_voxels)),
+            ("vertices", Column::Integer(self.region_vertices)),
+            ("x", Column::Number(x)),
+            ("y", Column::Number(y)),
+            ("z", Column::Number(z)),
+            ("descriptor", Column::Numbers { width, values: self.descriptor }),
+        ];
+        parquet::write(&root.join("regions.parquet"), &regions, &[(SETTINGS, settings)])?;
+        let shapes = [
+            ("shape", Column::Text(self.shape)),
+            ("path", Column::Text(self.path)),
+            ("sha256", Column::Text(self.sha256)),
+            ("animation", Column::OptionalText(self.animation)),
+            ("time", Column::Number(self.time)),
+            ("domain", Column::Text(self.domain)),
+            ("version", Column::Text(self.version)),
+            ("vertices", Column::OptionalInteger(self.vertices)),
+            ("voxels", Column::OptionalInteger(self.voxels)),
+            ("pitch", Column::OptionalNumber(self.pitch)),
+            ("measure", Column::OptionalNumber(self.measure)),
+            ("regions", Column::Integer(self.regions)),
+            ("warnings", Column::Integer(self.warnings)),
+        ];
+        parquet::write(&root.join("shapes.parquet"), &shapes, &[])
+    }
+}
