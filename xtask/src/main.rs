@@ -1,6 +1,7 @@
 //! The project's own tasks, one file per command: `cargo xtask COMMAND`.
 
 mod bench;
+mod browser_test;
 mod evaluate;
 mod fixtures;
 mod poses;
@@ -22,6 +23,8 @@ struct Arguments {
 enum Command {
     /// Compare with other people's libraries
     Bench(bench::Arguments),
+    /// Try the page that `mser3d view` writes in a real browser
+    BrowserTest(browser_test::Arguments),
     /// Make the shapes in fixtures/ again, byte for byte
     Fixtures(fixtures::Arguments),
     /// Score the detector on poses of one figure
@@ -33,6 +36,7 @@ enum Command {
 fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Bench(arguments) => bench::run(&arguments),
+        Command::BrowserTest(arguments) => browser_test::run(&arguments),
         Command::Fixtures(arguments) => fixtures::run(&arguments),
         Command::Poses(arguments) => poses::run(&arguments),
         Command::Shrec11(arguments) => shrec11::run(&arguments),
