@@ -3,6 +3,7 @@
 mod process;
 mod refine;
 mod spectrum;
+mod voxelize;
 
 use std::error::Error;
 
@@ -17,11 +18,14 @@ pub struct Arguments {
 enum Bench {
     /// Eigenpairs: our two solvers, SciPy, LaPy and Spectra
     Spectrum(spectrum::Arguments),
+    /// Solids: Open3D, VTK, libigl and trimesh
+    Voxelize(voxelize::Arguments),
 }
 
 /// Runs a benchmark.
 pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     match &arguments.bench {
         Bench::Spectrum(arguments) => spectrum::run(arguments),
+        Bench::Voxelize(arguments) => voxelize::run(arguments),
     }
 }

@@ -52,7 +52,8 @@ mod tests {
     #[test]
     fn a_finer_mesh_is_the_same_surface() {
         let points = vec![[0.0; 3], [3.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0]];
-        let tetrahedron = TriangleMesh::new(points, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]).unwrap();
+        let tetrahedron =
+            TriangleMesh::new(points, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]).unwrap();
         let fine = refined(&tetrahedron, 500).unwrap();
         assert_eq!(fine.vertices().len(), 500);
         // Euler: a closed surface of genus 0 has 2 V - 4 triangles.
