@@ -11,6 +11,8 @@ use mser3d::voxelize::{Method, Pitch, VoxelizeParameters, inside, voxelize};
 use mser3d_meshio::{ReadOptions, read_mesh};
 use serde_json::{Value, json};
 
+use super::process::{Stopwatch, machine};
+
 /// Options of the comparison.
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -33,6 +35,7 @@ pub struct Arguments {
 /// Runs it, and prints one table for each mesh and resolution.
 pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(&arguments.folder)?;
+    println!("{}", machine());
     let mut meshes: Vec<(String, TriangleMesh)> = Vec::new();
     for path in &arguments.meshes {
         let name = path.file_name().map_or("mesh".into(), |n| n.to_string_lossy().into_owned());
@@ -57,12 +60,20 @@ fn compare(name: &str, mesh: &TriangleMesh, n: usize, arguments: &Arguments) -> 
     let parameters = VoxelizeParameters { pitch: Pitch::Resolution(n), ..Default::default() };
     let parity = VoxelizeParameters { method: Method::Parity, ..parameters.clone() };
     let (frame, bits) = inside(mesh, &parameters)?;
-    println!("\n{name}: {} triangles, {:?} voxels, {} inside", mesh.triangles().len(), frame.dims(), bits.count_ones());
-    println!("{:44} {:>10} {:>10} {:>10}", "", "wall s", "CPU s", "differing");
+    println!(
+        "\n{name}: {} triangles, {:?} voxels, {} inside",
+        mesh.triangles().len(),
+        frame.dims(),
+        bits.count_ones()
+    );
+    println!("{:48} {:>10} {:>10} {:>8} {:>10}", "", "wall s", "CPU s", "peak MB", "differing");
     let runs = arguments.runs;
-    print_row("mser3d inside, parity (bits)", best_of(runs, || inside(mesh, &parity).map(drop))?, None);
-    print_row("mser3d inside, diagnosed (bits)", best_of(runs, || inside(mesh, &parameters).map(drop))?, None);
-    print_row("mser3d linked solid, cut and cleaned", best_of(runs, || voxelize(mesh, &parameters).map(drop))?, None);
+    print_row("mser3d inside, parity (bits)", &best_of(runs, || inside(mesh, &parity).map(drop))?);
+    print_row("mser3d inside, diagnosed (bits)", &best_of(runs, || inside(mesh, &parameters).map(drop))?);
+    print_row(
+        "mser3d linked solid, cut and cleaned",
+        &best_of(runs, || voxelize(mesh, &parameters).map(drop))?,
+    );
     let words: Vec<u8> = bits.words().iter().flat_map(|w| w.to_le_bytes()).collect();
     let job = write_job(mesh, &frame, &words, n, arguments)?;
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("peers/voxelize.py");
@@ -72,7 +83,8 @@ fn compare(name: &str, mesh: &TriangleMesh, n: usize, arguments: &Arguments) -> 
         let text = |key: &str| peer[key].as_str().unwrap_or("?").to_string();
         let seconds = |key: &str| peer[key].as_f64().unwrap_or(f64::NAN);
         let label = format!("{} {} ({})", text("peer"), text("version"), text("output"));
-        print_row(&label, (seconds("wall"), Some(seconds("cpu"))), peer["differing"].as_u64());
+        let (wall, cpu, differing) = (seconds("wall"), seconds("cpu"), peer["differing"].as_u64());
+        print_row(&label, &Row { wall, cpu, peak: f64::NAN, differing });
     }
     if !output.status.success() {
         eprintln!("{}", String::from_utf8_lossy(&output.stderr));
@@ -80,37 +92,38 @@ fn compare(name: &str, mesh: &TriangleMesh, n: usize, arguments: &Arguments) -> 
     Ok(())
 }
 
-fn print_row(label: &str, (wall, cpu): (f64, Option<f64>), differing: Option<u64>) {
-    let cpu = cpu.map_or(String::new(), |s| format!("{s:.5}"));
-    println!("{label:44} {wall:>10.5} {cpu:>10} {:>10}", differing.map_or(String::new(), |d| d.to_string()));
+/// A line of the table.
+struct Row {
+    /// Seconds of the best run.
+    wall: f64,
+    /// CPU seconds of a run.
+    cpu: f64,
+    /// Highest resident memory in bytes, the mesh included.
+    peak: f64,
+    /// Voxels that differ from ours.
+    differing: Option<u64>,
 }
 
-/// Least wall seconds of some runs, and the mean of their CPU seconds where the system tells them.
-fn best_of<E: Error + 'static>(
-    runs: usize,
-    task: impl Fn() -> Result<(), E>,
-) -> Result<(f64, Option<f64>), Box<dyn Error>> {
-    let mut wall = f64::INFINITY;
-    let (start, started) = (cpu_seconds(), Instant::now());
-    let mut count = 0;
-    // CPU time comes in steps of a hundredth of a second.
+fn print_row(label: &str, row: &Row) {
+    let optional = |known: bool, text: String| if known { text } else { String::new() };
+    let peak = optional(row.peak.is_finite(), format!("{:.0}", row.peak / 1e6));
+    let differing = row.differing.map_or(String::new(), |d| d.to_string());
+    println!("{label:48} {:>10.5} {:>10.5} {peak:>8} {differing:>10}", row.wall, row.cpu);
+}
+
+/// What the best of some runs takes.
+fn best_of<E: Error + 'static>(runs: usize, task: impl Fn() -> Result<(), E>) -> Result<Row, Box<dyn Error>> {
+    let mut row = Row { wall: f64::INFINITY, cpu: f64::NAN, peak: f64::NAN, differing: None };
+    let (whole, started, mut count) = (Stopwatch::start(), Instant::now(), 0);
+    // CPU time comes in steps of a hundredth of a second: take the mean of many runs.
     while count < runs || started.elapsed().as_secs_f64() < 0.5 {
         let run = Instant::now();
         task()?;
-        wall = wall.min(run.elapsed().as_secs_f64());
+        row.wall = row.wall.min(run.elapsed().as_secs_f64());
         count += 1;
     }
-    let cpu = start.zip(cpu_seconds()).map(|(start, end)| (end - start) / count as f64);
-    Ok((wall, cpu))
-}
-
-/// CPU seconds of this process so far, all threads, from /proc on Linux.
-fn cpu_seconds() -> Option<f64> {
-    let stat = fs::read_to_string("/proc/self/stat").ok()?;
-    // The name in parentheses may hold spaces; user and system time are fields 14 and 15.
-    let fields: Vec<&str> = stat.rsplit_once(')')?.1.split_whitespace().collect();
-    let ticks: u64 = fields.get(11)?.parse::<u64>().ok()? + fields.get(12)?.parse::<u64>().ok()?;
-    Some(ticks as f64 / 100.0)
+    let usage = whole.stop();
+    Ok(Row { cpu: usage.cpu / count as f64, peak: usage.peak, ..row })
 }
 
 /// The files that the peers read, and the JSON that names them.
