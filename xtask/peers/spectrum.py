@@ -69,7 +69,7 @@ def prepare(method, folder, k, tolerance):
         from lapy import Solver, TriaMesh
 
         try:
-            import sksparse.cholmod  # noqa: F401
+            import cholespy  # noqa: F401
 
             cholmod = True
         except Exception:

@@ -62,7 +62,7 @@ impl Solver {
                 "apt-get install libsuitesparse-dev libopenblas-dev; pip install scipy 'scikit-sparse<0.5'"
             }
             Self::ScipySuperLu => "pip install scipy",
-            Self::Lapy => "pip install lapy",
+            Self::Lapy => "pip install lapy cholespy",
         }
     }
 
@@ -200,7 +200,7 @@ fn install_python_peers(environment: &Path) -> Result<(), Box<dyn Error>> {
         }
     }
     let pip = environment.join("bin/pip");
-    run(&pip, &["install", "--quiet", "numpy", "scipy", "lapy"])?;
+    run(&pip, &["install", "--quiet", "numpy", "scipy", "lapy", "cholespy"])?;
     // The newest needs SuiteSparse 7; the one before takes what the system has.
     if !run(&pip, &["install", "--quiet", "scikit-sparse"])? {
         run(&pip, &["install", "--quiet", "scikit-sparse<0.5"])?;
