@@ -1,0 +1,247 @@
+use std::path::{Path, PathBuf};
+
+use mser3d::shape::Eigenbasis;
+use mser3d::spectral::{Eigensolver, Spectrum, SpectrumParameters, SpectrumReport};
+use mser3d::{Body, Domain, Graph, ProgressFn};
+use mser3d_meshio::{MeshIoError, NpyArray, NpyValues, read_npz, write_npz};
+use sha2::{Digest, Sha256};
+
+use crate::CollectionError;
+
+/// A folder of spectra, so that none is computed twice.
+///
+/// A spectrum is kept under a hash of all that it depends on: the grid with its links and frame, or the
+/// mesh; the [`SpectrumParameters`] but for the memory limit; and the version of mser3d. Its file is a
+/// `.npz` of 8 n k bytes (36 MB for 45,000 voxels and 100 eigenpairs) that holds every bit, so results are
+/// the same with and without the cache. Many processes can share one; files appear as a whole.
+#[derive(Clone, Debug)]
+pub struct SpectrumCache {
+    folder: PathBuf,
+}
+
+/// How a spectrum came out of a [`SpectrumCache`].
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum CacheUse {
+    /// It was there.
+    Hit,
+    /// It was computed and is there from now on.
+    Stored,
+    /// Something is wrong with the cache; the spectrum was computed. What the user should know.
+    Trouble(String),
+}
+
+/// Changes whenever the same parameters would give another spectrum or its file another layout.
+const GENERATION: &str = concat!("mser3d spectrum 1, version ", env!("CARGO_PKG_VERSION"));
+
+/// The names under which [`SpectrumReport::solver`] is one of these.
+const SOLVERS: [&str; 3] = ["dense", "shift-invert Lanczos", "Chebyshev filter"];
+
+impl SpectrumCache {
+    /// A cache in a folder, which is made if it is not there.
+    ///
+    /// # Errors
+    /// [`CollectionError::Io`].
+    pub fn open(folder: &Path) -> Result<Self, CollectionError> {
+        std::fs::create_dir_all(folder).map_err(CollectionError::io(folder))?;
+        Ok(Self { folder: folder.to_owned() })
+    }
+
+    /// The spectrum of a body, computed only if it is not there.
+    ///
+    /// # Errors
+    /// Those of [`Body::spectrum`]; a cache that cannot be read or written is only [`CacheUse::Trouble`].
+    pub fn spectrum(
+        &self,
+        body: &Body,
+        parameters: &SpectrumParameters,
+        progress: ProgressFn,
+    ) -> Result<(Spectrum, CacheUse), mser3d::Error> {
+        let key = key(body, parameters);
+        let path = self.path(&key);
+        let trouble = match read(&path, &key, body) {
+            Ok(spectrum) => return Ok((spectrum, CacheUse::Hit)),
+            Err(trouble) => trouble,
+        };
+        let spectrum = body.spectrum(parameters, progress)?;
+        let written = write(&path, &key, &spectrum);
+        let trouble = trouble.map(|t| format!("{t}; computed again"));
+        let trouble = trouble.or(written.err().map(|e| format!("the spectrum is not kept: {e}")));
+        Ok((spectrum, trouble.map_or(CacheUse::Stored, CacheUse::Trouble)))
+    }
+
+    fn path(&self, key: &[u8]) -> PathBuf {
+        let name: String = key.iter().map(|b| format!("{b:02x}")).collect();
+        self.folder.join(format!("{name}.npz"))
+    }
+}
+
+/// A hash of all that a spectrum depends on.
+fn key(body: &Body, parameters: &SpectrumParameters) -> Vec<u8> {
+    let mut hash = Sha256::new();
+    hash.update(GENERATION);
+    let mut integer = |x: u64| hash.update(x.to_le_bytes());
+    integer(parameters.eigenpairs as u64);
+    integer(parameters.tolerance.to_bits());
+    integer(parameters.max_iterations as u64);
+    integer(match parameters.solver {
+        Eigensolver::ShiftInvert => 1,
+        Eigensolver::Filter => 2,
+        _ => 0,
+    });
+    match body.graph() {
+        Graph::Voxels { grid, .. } => {
+            let frame = grid.frame();
+            integer(3);
+            frame.dims().into_iter().for_each(|n| integer(n as u64));
+            frame.origin().into_iter().chain(frame.spacing()).for_each(|x| integer(x.to_bits()));
+            let bits = grid.links().iter().chain([grid.occupancy()]);
+            bits.flat_map(|bits| bits.words()).for_each(|&word| integer(word));
+        }
+        Graph::Surface { mesh, .. } => {
+            integer(2);
+            integer(mesh.vertices().len() as u64);
+            mesh.vertices().iter().flatten().for_each(|x| integer(x.to_bits()));
+            mesh.triangles().iter().flatten().for_each(|&v| integer(v.into()));
+        }
+    }
+    hash.finalize().to_vec()
+}
+
+fn write(path: &Path, key: &[u8], spectrum: &Spectrum) -> Result<(), MeshIoError> {
+    let (basis, report) = (&spectrum.basis, &spectrum.report);
+    let counts = [report.iterations, report.applications, report.zero_modes].map(|n| n as i64);
+    let functions = NpyArray::new(&[basis.len(), basis.eigenvalues().len()], basis.functions())?;
+    write_npz(
+        path,
+        &[
+            ("key", NpyArray::flat(key)),
+            ("solver", NpyArray::flat(report.solver.as_bytes())),
+            ("counts", NpyArray::flat(counts.to_vec())),
+            ("quality", NpyArray::flat(vec![report.residual, report.orthogonality])),
+            ("mass", NpyArray::flat(basis.mass())),
+            ("eigenvalues", NpyArray::flat(basis.eigenvalues())),
+            ("functions", functions),
+        ],
+    )
+}
+
+/// The spectrum in a file, or what is wrong with it: nothing (`None`) if there is no file.
+fn read(path: &Path, key: &[u8], body: &Body) -> Result<Spectrum, Option<String>> {
+    if !path.exists() {
+        return Err(None);
+    }
+    let mut arrays = read_npz(path).map_err(|e| Some(e.to_string()))?;
+    let mut take = |name: &str| arrays.remove(name).map(|array| array.values().clone());
+    let spectrum = (|| {
+        let NpyValues::U8(stored_key) = take("key")? else { return None };
+        let NpyValues::U8(solver) = take("solver")? else { return None };
+        let NpyValues::I64(counts) = take("counts")? else { return None };
+        let NpyValues::F64(quality) = take("quality")? else { return None };
+        let NpyValues::F64(mass) = take("mass")? else { return None };
+        let NpyValues::F64(eigenvalues) = take("eigenvalues")? else { return None };
+        let NpyValues::F64(functions) = take("functions")? else { return None };
+        let solver = SOLVERS.into_iter().find(|name| name.as_bytes() == &*solver)?;
+        let (&[iterations, applications, zero_modes], &[residual, orthogonality]) = (&*counts, &*quality)
+        else {
+            return None;
+        };
+        if stored_key != key || mass.len() != body.len() {
+            return None;
+        }
+        let domain = match body.graph() {
+            Graph::Voxels { .. } => Domain::Volume,
+            Graph::Surface { .. } => Domain::Surface,
+        };
+        let functions = functions.into_owned();
+        let basis = Eigenbasis::new(domain, mass.into_owned(), eigenvalues.into_owned(), functions).ok()?;
+        let count = |n: i64| usize::try_from(n).ok();
+        let report = SpectrumReport {
+            solver,
+            iterations: count(iterations)?,
+            applications: count(applications)?,
+            residual,
+            orthogonality,
+            zero_modes: count(zero_modes)?,
+        };
+        Some(Spectrum { basis, report })
+    })();
+    spectrum.ok_or_else(|| Some(format!("{}: not the spectrum that its name promises", path.display())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mser3d::shape::{BitGrid, Connectivity, Frame, VoxelGrid};
+
+    fn bar(length: usize) -> Body {
+        let dims = [4, 5, length];
+        let frame = Frame::new(dims, [0.0; 3], [0.5; 3]).unwrap();
+        Body::solid(VoxelGrid::solid(frame, BitGrid::full(dims).unwrap()).unwrap(), Connectivity::Six)
+    }
+
+    fn parameters() -> SpectrumParameters {
+        SpectrumParameters { eigenpairs: 8, ..Default::default() }
+    }
+
+    fn bits(spectrum: &Spectrum) -> Vec<u64> {
+        let basis = &spectrum.basis;
+        let numbers = [basis.mass(), basis.eigenvalues(), basis.functions()].concat();
+        numbers.iter().map(|x| x.to_bits()).collect()
+    }
+
+    fn ask(cache: &SpectrumCache, body: &Body, parameters: &SpectrumParameters) -> (Spectrum, CacheUse) {
+        cache.spectrum(body, parameters, &mser3d::no_progress).unwrap()
+    }
+
+    #[test]
+    fn a_cached_spectrum_is_the_computed_one_to_the_last_bit() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = SpectrumCache::open(&folder.path().join("new")).unwrap();
+        let body = bar(20);
+        let computed = body.spectrum(&parameters(), &mser3d::no_progress).unwrap();
+        for used in [CacheUse::Stored, CacheUse::Hit] {
+            let (spectrum, how) = ask(&cache, &body, &parameters());
+            assert_eq!((bits(&spectrum), spectrum.report, how), (bits(&computed), computed.report, used));
+        }
+    }
+
+    #[test]
+    fn what_changes_the_spectrum_changes_the_key() {
+        let grid = |body: &Body| body.grid().unwrap().clone();
+        let cut = grid(&bar(20)).with_cut_links(0, &[[1, 1, 1]]).0;
+        let bodies = [bar(20), bar(21), Body::solid(cut, Connectivity::Six)];
+        let other = [
+            SpectrumParameters { eigenpairs: 9, ..parameters() },
+            SpectrumParameters { tolerance: 1e-8, ..parameters() },
+            SpectrumParameters { solver: Eigensolver::ShiftInvert, ..parameters() },
+        ];
+        let keys = bodies.iter().map(|b| key(b, &parameters()));
+        let keys: std::collections::HashSet<_> =
+            keys.chain(other.iter().map(|p| key(&bodies[0], p))).collect();
+        assert_eq!(keys.len(), 6);
+        let limited = SpectrumParameters { memory_limit: Some(1 << 40), ..parameters() };
+        assert_eq!(key(&bodies[0], &limited), key(&bodies[0], &parameters()));
+    }
+
+    #[test]
+    fn a_damaged_or_foreign_file_is_ignored_named_and_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = SpectrumCache::open(folder.path()).unwrap();
+        let (body, other) = (bar(20), bar(12));
+        let (computed, _) = ask(&cache, &body, &parameters());
+        ask(&cache, &other, &parameters());
+        let path = cache.path(&key(&body, &parameters()));
+        let whole = std::fs::read(&path).unwrap();
+        let mut flipped = whole.clone();
+        flipped[whole.len() / 2] ^= 4;
+        let foreign = std::fs::read(cache.path(&key(&other, &parameters()))).unwrap();
+        for bad in [&whole[..whole.len() / 2], &flipped, &foreign, b"", b"something else"] {
+            std::fs::write(&path, bad).unwrap();
+            let (spectrum, how) = ask(&cache, &body, &parameters());
+            assert_eq!(bits(&spectrum), bits(&computed));
+            let CacheUse::Trouble(text) = how else { panic!("{} bytes pass", bad.len()) };
+            assert!(text.contains(&path.display().to_string()), "{text}");
+            assert_eq!(std::fs::read(&path).unwrap(), whole, "written again");
+        }
+    }
+}
