@@ -273,22 +273,20 @@ impl VoxelGrid {
     }
 
     /// The grid without some of its voxels and their links.
-    pub(crate) fn without(&self, dropped: &BitGrid) -> Self {
+    pub(crate) fn without(mut self, dropped: &BitGrid) -> Self {
         if self.cut_diagonals.as_ref().is_some_and(|cut| !cut.is_empty()) {
             let gone: Vec<bool> = self.voxels().map(|v| dropped.get(v)).collect();
             return self.restrict(|v| !gone[v as usize]);
         }
-        let mut grid = self.clone();
-        for (word, gone) in grid.occupancy.words_mut().iter_mut().zip(dropped.words()) {
+        for (word, gone) in self.occupancy.words_mut().iter_mut().zip(dropped.words()) {
             *word &= !gone;
         }
         for axis in 0..3 {
-            let allowed = inner_neighbours(&grid.occupancy, axis);
-            for (link, allowed) in grid.links[axis].words_mut().iter_mut().zip(allowed.words()) {
-                *link &= allowed;
+            for at in 0..self.rank.len() {
+                self.links[axis].words_mut()[at] &= inner_neighbours_of_word(&self.occupancy, axis, at);
             }
         }
-        Self::unchecked(grid.frame, grid.occupancy, grid.links, grid.cut_diagonals)
+        Self::unchecked(self.frame, self.occupancy, self.links, self.cut_diagonals)
             .expect("fewer voxels than before")
     }
 
@@ -338,18 +336,23 @@ fn check_size(frame: &Frame, bits: &BitGrid) -> Result<(), ShapeError> {
 /// The voxels whose neighbour along +axis is inside too.
 fn inner_neighbours(inside: &BitGrid, axis: usize) -> BitGrid {
     let mut result = inside.clone();
-    let (row, words) = (inside.row_words(), inside.words());
-    let [_, ny, nz] = inside.dims();
-    for (word, bits) in result.words_mut().iter_mut().enumerate() {
-        let (column, j, k) = (word % row, word / row % ny, word / row / ny);
-        *bits &= match axis {
-            0 => words[word] >> 1 | if column + 1 < row { words[word + 1] << 63 } else { 0 },
-            1 if j + 1 < ny => words[word + row],
-            2 if k + 1 < nz => words[word + row * ny],
-            _ => 0,
-        };
+    for (at, bits) in result.words_mut().iter_mut().enumerate().filter(|(_, bits)| **bits != 0) {
+        *bits = inner_neighbours_of_word(inside, axis, at);
     }
     result
+}
+
+#[inline]
+fn inner_neighbours_of_word(inside: &BitGrid, axis: usize, at: usize) -> u64 {
+    let (row, words) = (inside.row_words(), inside.words());
+    let [_, ny, nz] = inside.dims();
+    let next = match axis {
+        0 => words[at] >> 1 | if at % row + 1 < row { words[at + 1] << 63 } else { 0 },
+        1 if at / row % ny + 1 < ny => words[at + row],
+        2 if at / (row * ny) + 1 < nz => words[at + row * ny],
+        _ => 0,
+    };
+    words[at] & next
 }
 
 #[cfg(test)]
