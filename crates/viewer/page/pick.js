@@ -19,15 +19,18 @@ function pick(shape, slice, frame, cut, x, y) {
   let found = null;
   let winding = 0;
   for (let t = 0; t < triangle.length; t += 3) {
-    const corners = [triangle[t], triangle[t + 1], triangle[t + 2]];
-    const [a, b, c] = corners.map((v) => 3 * v);
+    const [a, b, c] = [3 * triangle[t], 3 * triangle[t + 1], 3 * triangle[t + 2]];
     const [ax, ay] = [screen[a] - x, screen[a + 1] - y];
     const [bx, by] = [screen[b] - x, screen[b + 1] - y];
     const [cx, cy] = [screen[c] - x, screen[c + 1] - y];
+    // Most triangles lie on one side of the line of sight.
+    if ((ax > 0 && bx > 0 && cx > 0) || (ax < 0 && bx < 0 && cx < 0)) continue;
+    if ((ay > 0 && by > 0 && cy > 0) || (ay < 0 && by < 0 && cy < 0)) continue;
     const w = [bx * cy - by * cx, cx * ay - cy * ax, ax * by - ay * bx];
     const inside = (w[0] >= 0 && w[1] >= 0 && w[2] >= 0) || (w[0] <= 0 && w[1] <= 0 && w[2] <= 0);
     const area = w[0] + w[1] + w[2];
     if (!inside || area === 0) continue;
+    const corners = [a / 3, b / 3, c / 3];
     const mean = (value) => corners.reduce((sum, v, i) => sum + (w[i] / area) * value(v), 0);
     if (mean(beyond) > 0) {
       winding += Math.sign(area);

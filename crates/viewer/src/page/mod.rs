@@ -17,7 +17,7 @@ use crate::{NO_REGION, PALETTE, Up, ViewerError, normals, occlusion};
 const TEMPLATE: &str = include_str!("../../page/page.html");
 const STYLE: &str = include_str!("../../page/page.css");
 /// Concatenated in this order into one function scope.
-const SCRIPTS: [&str; 10] = [
+const SCRIPTS: [&str; 13] = [
     include_str!("../../page/data.js"),
     include_str!("../../page/camera.js"),
     include_str!("../../page/shaders.js"),
@@ -27,6 +27,9 @@ const SCRIPTS: [&str; 10] = [
     include_str!("../../page/colouring.js"),
     include_str!("../../page/tree.js"),
     include_str!("../../page/panel.js"),
+    include_str!("../../page/renderer.js"),
+    include_str!("../../page/state.js"),
+    include_str!("../../page/input.js"),
     include_str!("../../page/main.js"),
 ];
 
