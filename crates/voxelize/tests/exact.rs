@@ -3,7 +3,7 @@
 mod common;
 
 use common::*;
-use mser3d_shape::{BitGrid, Frame, TriangleMesh, VoxelGrid};
+use mser3d_shape::{BitGrid, Connectivity, Frame, TriangleMesh, VoxelGrid};
 use mser3d_voxelize::*;
 
 fn on(frame: Frame, mesh: &TriangleMesh, method: Method) -> VoxelGrid {
@@ -96,6 +96,47 @@ fn vertices_on_grid_lines_are_counted_once() {
         let sum: f64 = p.iter().map(|x| x.abs()).sum();
         sum < 6.0 || sum == 6.0 && p[0] < 0.0
     });
+}
+
+/// Stretching the shape and the grid alike, by powers of two, changes no voxel and no link.
+#[test]
+fn voxels_may_be_longer_along_one_axis() {
+    let stretch = [1.0, 0.25, 4.0];
+    let mesh = together(&[sphere([6.0, 5.5, 5.0], 4.2, 4), sphere([7.0, 5.5, 13.4], 4.2, 4)]);
+    let stretched = moved(&mesh, |p| std::array::from_fn(|a| p[a] * stretch[a]));
+    let dims = [14, 12, 19];
+    for connectivity in [Connectivity::Six, Connectivity::TwentySix] {
+        let solid = |mesh: &TriangleMesh, spacing: Vec3| {
+            let frame = Some(Frame::new(dims, [0.0; 3], spacing).unwrap());
+            let parameters =
+                VoxelizeParameters { frame, connectivity, largest_only: false, ..Default::default() };
+            voxelize(mesh, &parameters).unwrap().grid
+        };
+        let (cubes, bars) = (solid(&mesh, [1.0; 3]), solid(&stretched, stretch));
+        assert_eq!(cubes.occupancy(), bars.occupancy());
+        assert_eq!((cubes.links(), cubes.cut_diagonals()), (bars.links(), bars.cut_diagonals()));
+        assert!(cubes.len() > 500);
+    }
+}
+
+#[test]
+fn opening_drops_thin_parts_and_closing_fills_slits() {
+    let solid = |mesh: &TriangleMesh, morphology| {
+        let frame = Some(Frame::new([24; 3], [0.0; 3], [1.0; 3]).unwrap());
+        voxelize(mesh, &VoxelizeParameters { frame, morphology, ..Default::default() }).unwrap().grid.len()
+    };
+    let block = cuboid([4.0; 3], [14.0; 3]);
+    assert_eq!(solid(&block, None), 1000);
+    assert_eq!(solid(&block, Some(Morphology::Close)), 1000);
+    // A block loses its edges and corners only.
+    assert_eq!(solid(&block, Some(Morphology::Open)), 1000 - 12 * 8 - 8);
+    let with_rod = together(&[block, cuboid([13.0, 8.0, 8.0], [20.0, 9.0, 9.0])]);
+    assert_eq!(solid(&with_rod, None), 1006);
+    // The rod's root has all its neighbours; the rest goes.
+    assert_eq!(solid(&with_rod, Some(Morphology::Open)), 1000 - 12 * 8 - 8 + 1);
+    let pair = together(&[cuboid([4.0; 3], [9.0, 14.0, 14.0]), cuboid([10.0, 4.0, 4.0], [14.0; 3])]);
+    assert_eq!(solid(&pair, None), 500);
+    assert_eq!(solid(&pair, Some(Morphology::Close)), 1000);
 }
 
 #[test]
