@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use crate::budget::Budget;
 use crate::folder::CollectionFolder;
-use crate::{CollectionError, Job, Shard, tables};
+use crate::{CollectionError, Job, Shard, Tables, tables};
 
 /// What a batch does with each shape.
 pub trait Work: Sync {
@@ -88,6 +88,8 @@ pub struct BatchSummary {
     pub kept: usize,
     /// Names of shapes without a result, and why, by name.
     pub failed: Vec<(String, String)>,
+    /// The tables that were made; none by a shard.
+    pub tables: Option<Tables>,
 }
 
 /// Computes the results of many shapes, each in a folder of its own, and makes tables of them.
@@ -163,7 +165,7 @@ pub fn run_batch<W: Work>(
         }
     }
     if parameters.shard.is_none() {
-        tables::build(&folder)?;
+        summary.tables = Some(tables::build(&folder)?);
     }
     Ok(summary)
 }

@@ -1,9 +1,11 @@
 //! `mser3d detect`: from a file to its regions.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use mser3d::shape::{Frame, VoxelGrid};
-use mser3d::{Body, Domain, Features, Parameters, detect, detect_on};
+use mser3d::shape::{Frame, TriangleMesh, VoxelGrid};
+use mser3d::spectral::SpectrumParameters;
+use mser3d::{Body, Domain, Features, Parameters, ProgressFn, SpectrumFn, detect_on_using, detect_using};
+use mser3d_collection::{CacheUse, SpectrumCache};
 
 use crate::error::CliError;
 use crate::input::{Contents, Input, InputArgs};
@@ -36,13 +38,12 @@ pub fn run(args: &DetectArgs) -> Result<(), CliError> {
     use_threads(args.threads)?;
     let parameters = args.options.parameters()?;
     let input = Input::read(&args.input)?;
-    let folder = OutputFolder::create(&args.output)?;
     let meter = Meter::new(args.quiet);
-    let result = features(&input, &args.options, &parameters, &meter);
-    meter.finish();
-    let features = result?;
-    let report = Report::new(&input, &args.input, &parameters, &features, &meter);
-    folder.write(&input, &features, &report)?;
+    let (features, report) =
+        detect_into(&args.output, &input, &args.input, &args.options, &parameters, &meter)?;
+    if !args.quiet {
+        report.warnings().iter().for_each(|w| eprintln!("mser3d: warning: {}: {w}", input.path.display()));
+    }
     if args.json {
         report.print()
     } else if !args.quiet {
@@ -52,32 +53,91 @@ pub fn run(args: &DetectArgs) -> Result<(), CliError> {
     }
 }
 
-fn features(
+/// Finds the regions of an input and writes them to a folder.
+pub fn detect_into(
+    folder: &Path,
     input: &Input,
+    args: &InputArgs,
     options: &RegionOptions,
     parameters: &Parameters,
     meter: &Meter,
-) -> Result<Features, CliError> {
-    let progress = |p| meter.report(p);
-    let result = match &input.contents {
-        Contents::Mesh(loaded) => detect(&loaded.mesh, options.domain(), parameters, &progress),
-        Contents::Mask(_) if options.domain() == Domain::Surface => {
-            return Err(CliError::Usage("--surface needs a mesh; a voxel mask has no surface mesh".into()));
-        }
-        Contents::Mask(mask) => {
-            let frame = Frame::new(mask.dims(), [0.0; 3], [options.pitch.unwrap_or(1.0); 3]);
-            frame
-                .and_then(|frame| VoxelGrid::solid(frame, mask.clone()))
-                .map(|grid| {
-                    let parts = grid.components();
-                    let largest = parts.largest();
-                    grid.restrict(|v| Some(parts.labels[v as usize]) == largest)
-                })
-                .map_err(mser3d::Error::from)
-                .and_then(|grid| {
-                    detect_on(Body::solid(grid, parameters.voxelize.connectivity), parameters, &progress)
-                })
+) -> Result<(Features, Report), CliError> {
+    let subject = Subject::of(input, options)?;
+    let cache = options.cache.as_deref().map(SpectrumCache::open).transpose()?;
+    let folder = OutputFolder::create(folder)?;
+    let spectrum = |body: &Body, parameters: &SpectrumParameters, progress: ProgressFn| match &cache {
+        None => body.spectrum(parameters, progress),
+        Some(cache) => {
+            let (spectrum, used) = cache.spectrum(body, parameters, progress)?;
+            if let CacheUse::Trouble(what) = used {
+                meter.warn(&what);
+            }
+            Ok(spectrum)
         }
     };
-    result.map_err(|source| CliError::Shape { path: input.path.clone(), source })
+    let result = subject.features(options.domain(), parameters, &spectrum, meter);
+    meter.finish();
+    let features = result.map_err(|source| CliError::Shape { path: input.path.clone(), source })?;
+    let report = Report::new(input, args, parameters, &features, subject.warning(), meter);
+    folder.write(input, &features, &report)?;
+    Ok((features, report))
+}
+
+/// What regions are searched in.
+enum Subject<'a> {
+    Mesh(&'a TriangleMesh),
+    /// The largest part of a voxel mask, and what was left out.
+    Solid(Box<VoxelGrid>, Option<String>),
+}
+
+impl<'a> Subject<'a> {
+    fn of(input: &'a Input, options: &RegionOptions) -> Result<Self, CliError> {
+        let mask = match &input.contents {
+            Contents::Mesh(loaded) => return Ok(Self::Mesh(&loaded.mesh)),
+            Contents::Mask(mask) => mask,
+        };
+        if options.domain() == Domain::Surface {
+            return Err(CliError::Usage("--surface needs a mesh; a voxel mask has no surface mesh".into()));
+        }
+        if let Some(option) = options.voxelizing() {
+            return Err(CliError::Usage(format!("{option} needs a mesh; a voxel mask is voxels already")));
+        }
+        let failed = |e| CliError::Shape { path: input.path.clone(), source: mser3d::Error::from(e) };
+        let frame = Frame::new(mask.dims(), [0.0; 3], [options.pitch.unwrap_or(1.0); 3]).map_err(failed)?;
+        let whole = VoxelGrid::solid(frame, mask.clone()).map_err(failed)?;
+        let parts = whole.components();
+        let largest = parts.largest();
+        let grid = whole.restrict(|v| Some(parts.labels[v as usize]) == largest);
+        let dropped = whole.len() - grid.len();
+        let warning = (dropped > 0).then(|| {
+            let share = 100.0 * dropped as f64 / whole.len() as f64;
+            let components = parts.len() - 1;
+            format!("{components} smaller components with {dropped} voxels ({share:.2} %) were dropped")
+        });
+        Ok(Self::Solid(Box::new(grid), warning))
+    }
+
+    fn features(
+        &self,
+        domain: Domain,
+        parameters: &Parameters,
+        spectrum: SpectrumFn,
+        meter: &Meter,
+    ) -> Result<Features, mser3d::Error> {
+        let progress = |p| meter.report(p);
+        match self {
+            Self::Mesh(mesh) => detect_using(mesh, domain, parameters, spectrum, &progress),
+            Self::Solid(grid, _) => {
+                let body = Body::solid(VoxelGrid::clone(grid), parameters.voxelize.connectivity);
+                detect_on_using(body, parameters, spectrum, &progress)
+            }
+        }
+    }
+
+    fn warning(self) -> Option<String> {
+        match self {
+            Self::Mesh(_) => None,
+            Self::Solid(_, warning) => warning,
+        }
+    }
 }

@@ -1,6 +1,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use mser3d::voxelize::VoxelizeError;
 use mser3d_results::ResultsError;
 use mser3d_viewer::ViewerError;
 
@@ -16,12 +17,25 @@ pub enum CliError {
     Collection(#[from] mser3d_collection::CollectionError),
     #[error(transparent)]
     Results(#[from] mser3d_results::ResultsError),
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}{}", path.display(), advice(source))]
     Shape { path: PathBuf, source: mser3d::Error },
     #[error("{}: cannot be used as output folder: {source}; choose another with -o", path.display())]
     OutputFolder { path: PathBuf, source: std::io::Error },
+    /// A batch went through, but not with all shapes.
+    #[error("{0}")]
+    Incomplete(String),
     #[error("standard output: {0}")]
     Stdout(std::io::Error),
+}
+
+/// What the command line can do about an error of the library.
+fn advice(error: &mser3d::Error) -> &'static str {
+    match error {
+        mser3d::Error::Voxelize(VoxelizeError::NoVolume { .. }) => {
+            ", or search the surface alone (--surface)"
+        }
+        _ => "",
+    }
 }
 
 impl CliError {

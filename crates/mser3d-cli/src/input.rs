@@ -44,7 +44,12 @@ impl Input {
         }
         let read = |source| MeshIoError::Read { path: path.clone(), source };
         let bytes = std::fs::read(path).map_err(read)?;
-        let sha256 = Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect();
+        let sha256 = hex(Sha256::digest(&bytes));
+        if is_mask(path) && args.animation.is_some() {
+            return Err(CliError::Usage(
+                "--animation needs a glTF file; a voxel mask has no animations".into(),
+            ));
+        }
         let contents = if is_mask(path) {
             Contents::Mask(read_mask(path)?)
         } else {
@@ -65,9 +70,23 @@ impl Input {
         }
     }
 
+    /// A hash of the mesh's vertices and triangles.
+    pub fn mesh_sha256(&self) -> Option<String> {
+        let mesh = self.mesh()?;
+        let mut hash = Sha256::new();
+        hash.update((mesh.vertices().len() as u64).to_le_bytes());
+        mesh.vertices().iter().flatten().for_each(|x| hash.update(x.to_le_bytes()));
+        mesh.triangles().iter().flatten().for_each(|v| hash.update(v.to_le_bytes()));
+        Some(hex(hash.finalize()))
+    }
+
     pub fn format(&self) -> String {
         self.loaded().map_or("npy mask".into(), |loaded| loaded.format.to_string())
     }
+}
+
+fn hex(digest: impl AsRef<[u8]>) -> String {
+    digest.as_ref().iter().map(|b| format!("{b:02x}")).collect()
 }
 
 fn is_mask(path: &Path) -> bool {

@@ -2,6 +2,7 @@
 //!
 //! Thin by design: arguments, progress and files. The work is done by the crate `mser3d`.
 
+mod batch;
 mod detect;
 mod error;
 mod input;
@@ -11,18 +12,28 @@ mod matching;
 mod options;
 mod output;
 mod progress;
+mod query;
 mod render;
 mod table;
 mod view;
 
+use std::io::ErrorKind;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+use crate::error::CliError;
+
 /// Finds and describes stable volumetric regions in 3D shapes
 /// (Litman, Bronstein & Bronstein 2012).
 #[derive(Parser)]
-#[command(name = "mser3d", version, propagate_version = true, max_term_width = 110)]
+#[command(
+    name = "mser3d",
+    version,
+    propagate_version = true,
+    max_term_width = 110,
+    allow_negative_numbers = true
+)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -31,8 +42,10 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     /// Find the stable regions of a shape and write them to a folder
+    #[command(allow_negative_numbers = true)]
     Detect(Box<detect::DetectArgs>),
     /// Say what a mesh file holds, what is wrong with it, and what a run would take
+    #[command(allow_negative_numbers = true)]
     Inspect(inspect::InspectArgs),
     /// Draw a result as a PNG picture; no display needed
     Render(render::RenderArgs),
@@ -40,6 +53,10 @@ enum Command {
     View(view::ViewArgs),
     /// Find out which regions of two shapes are the same
     Match(matching::MatchArgs),
+    /// Find the regions of many shapes, each in its folder, and make tables of them
+    Batch(Box<batch::BatchArgs>),
+    /// Find the regions of a collection that are most like those of a shape
+    Query(query::QueryArgs),
 }
 
 fn main() -> ExitCode {
@@ -50,9 +67,13 @@ fn main() -> ExitCode {
         Command::Render(args) => render::run(args),
         Command::View(args) => view::run(args),
         Command::Match(args) => matching::run(args),
+        Command::Batch(args) => batch::run(args),
+        Command::Query(args) => query::run(args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
+        // Who closed the pipe, as `head` does, has read enough.
+        Err(CliError::Stdout(error)) if error.kind() == ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("mser3d: {error}");
             error.exit_code()

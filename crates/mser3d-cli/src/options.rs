@@ -1,5 +1,7 @@
 //! Command-line options that become [`Parameters`].
 
+use std::path::PathBuf;
+
 use clap::ValueEnum;
 use mser3d::comptree::{AltitudeScale, Mode, Polarity};
 use mser3d::descriptors::{HksParams, TimeScale};
@@ -15,14 +17,15 @@ use crate::machine::available_memory;
 #[derive(clap::Args, Clone, Debug)]
 pub struct RegionOptions {
     /// Search the surface instead of the volume inside
-    #[arg(long, help_heading = "Method")]
+    #[arg(long, help_heading = "Method",
+          conflicts_with_all = ["size", "connectivity", "inside", "overlap", "no_cut_links"])]
     pub surface: bool,
     /// What the component tree is built on: heat kernel H_t(v,v), commute time, or edges 1/H_t(u,v)
     #[arg(long, value_enum, default_value_t = WeightArg::Heat, help_heading = "Method")]
     pub weight: WeightArg,
     /// Time scales, in units of volume^(2/3) (surface: area); one tree each, regions pooled
     #[arg(long, value_name = "T_REL,...", value_delimiter = ',', default_values_t = [0.25, 0.5, 1.0, 2.0],
-          help_heading = "Method")]
+          value_parser = positive, help_heading = "Method")]
     pub time_scale: Vec<f64>,
     /// Time scales in squared units of the input's coordinates, instead of --time-scale
     #[arg(
@@ -30,25 +33,26 @@ pub struct RegionOptions {
         value_name = "T,...",
         value_delimiter = ',',
         conflicts_with = "time_scale",
+        value_parser = positive,
         help_heading = "Method"
     )]
     pub absolute_time: Vec<f64>,
     /// Volume (surface: area) that time scales and descriptors refer to, in the input's units; give all
     /// poses of a body that of one [default: the shape's own]
-    #[arg(long, value_name = "MEASURE", help_heading = "Method")]
+    #[arg(long, value_name = "MEASURE", value_parser = positive, help_heading = "Method")]
     pub reference_measure: Option<f64>,
     /// Which way the tree grows [default: the one that finds limbs]
     #[arg(long, value_enum, help_heading = "Method")]
     pub polarity: Option<PolarityArg>,
 
     /// Voxels in the solid, about [default: 45000]
-    #[arg(long, value_name = "N", group = "size", help_heading = "Voxels")]
+    #[arg(long, value_name = "N", value_parser = count, group = "size", help_heading = "Voxels")]
     pub voxels: Option<usize>,
     /// Voxels on the longest axis
-    #[arg(long, value_name = "N", group = "size", help_heading = "Voxels")]
+    #[arg(long, value_name = "N", value_parser = count, group = "size", help_heading = "Voxels")]
     pub resolution: Option<usize>,
     /// Edge of a voxel, in the input's units (of a mask: 1 by default)
-    #[arg(long, value_name = "H", group = "size", help_heading = "Voxels")]
+    #[arg(long, value_name = "H", value_parser = positive, group = "size", help_heading = "Voxels")]
     pub pitch: Option<f64>,
     /// Neighbours of a voxel in the tree (the Laplacian has 6)
     #[arg(long, value_enum, default_value_t = ConnectivityArg::Six, help_heading = "Voxels")]
@@ -64,10 +68,10 @@ pub struct RegionOptions {
     pub no_cut_links: bool,
 
     /// Smallest eigenpairs of the Laplacian
-    #[arg(long, value_name = "K", default_value_t = 100, help_heading = "Spectrum")]
+    #[arg(long, value_name = "K", value_parser = count, default_value_t = 100, help_heading = "Spectrum")]
     pub eigenpairs: usize,
     /// Largest relative residual of an eigenpair
-    #[arg(long, value_name = "R", default_value_t = 1e-9, help_heading = "Spectrum")]
+    #[arg(long, value_name = "R", default_value = "1e-9", help_heading = "Spectrum")]
     pub tolerance: f64,
     /// How eigenpairs are found
     #[arg(long, value_enum, default_value_t = SolverArg::Auto, help_heading = "Spectrum")]
@@ -75,30 +79,33 @@ pub struct RegionOptions {
     /// Refuse to start when the spectrum needs more memory, in MB [default: 80 % of what is free]
     #[arg(long, value_name = "MB", help_heading = "Spectrum")]
     pub memory_limit: Option<u64>,
+    /// Keep spectra in this folder and take them from there; results are the same with and without
+    #[arg(long, value_name = "DIR", help_heading = "Spectrum")]
+    pub cache: Option<PathBuf>,
 
     /// How stable regions are chosen: windowed stability, as published, or no stability at all
     #[arg(long, value_enum, default_value_t = ModeArg::Windowed, help_heading = "Regions")]
     pub mode: ModeArg,
     /// Half width of the stability window, in units of (log) altitude
-    #[arg(long, value_name = "D", default_value_t = 0.2, help_heading = "Regions")]
+    #[arg(long, value_name = "D", value_parser = positive, default_value_t = 0.2, help_heading = "Regions")]
     pub window: f64,
     /// Scale on which altitude, and so stability, is measured
     #[arg(long, value_enum, default_value_t = AltitudeArg::Log, help_heading = "Regions")]
     pub altitude: AltitudeArg,
     /// Smallest region, as a fraction of the whole
-    #[arg(long, value_name = "F", default_value_t = 0.01, help_heading = "Regions")]
+    #[arg(long, value_name = "F", value_parser = fraction, default_value_t = 0.01, help_heading = "Regions")]
     pub min_volume: f64,
     /// Largest region, as a fraction of the whole
-    #[arg(long, value_name = "F", default_value_t = 0.75, help_heading = "Regions")]
+    #[arg(long, value_name = "F", value_parser = fraction, default_value_t = 0.75, help_heading = "Regions")]
     pub max_volume: f64,
     /// How much smaller than the next larger region a nested one must be, as a fraction
-    #[arg(long, value_name = "F", default_value_t = 0.2, help_heading = "Regions")]
+    #[arg(long, value_name = "F", value_parser = fraction, default_value_t = 0.2, help_heading = "Regions")]
     pub min_diversity: f64,
     /// Drop regions that are less stable [default: none]
     #[arg(long, value_name = "S", help_heading = "Regions")]
     pub min_stability: Option<f64>,
     /// Overlap from which regions of two time scales are one
-    #[arg(long, value_name = "F", default_value_t = 0.7, help_heading = "Regions")]
+    #[arg(long, value_name = "F", value_parser = fraction, default_value_t = 0.7, help_heading = "Regions")]
     pub duplicate_overlap: f64,
     /// Descriptor: scale-invariant (SI-vHKS) or plain (vHKS) heat kernel signature
     #[arg(long, value_enum, default_value_t = DescriptorArg::SiHks, help_heading = "Regions")]
@@ -130,6 +137,18 @@ choices!(DescriptorArg { SiHks, Hks });
 impl RegionOptions {
     pub fn domain(&self) -> Domain {
         if self.surface { Domain::Surface } else { Domain::Volume }
+    }
+
+    /// The first option that makes voxels of a mesh, which a mask has no use for.
+    pub fn voxelizing(&self) -> Option<&'static str> {
+        let options = [
+            ("--voxels", self.voxels.is_some()),
+            ("--resolution", self.resolution.is_some()),
+            ("--inside", self.inside != MethodArg::Auto),
+            ("--overlap", self.overlap != OverlapArg::Auto),
+            ("--no-cut-links", self.no_cut_links),
+        ];
+        options.into_iter().find_map(|(name, given)| given.then_some(name))
     }
 
     /// The library's parameters; values out of range are wrong use.
@@ -164,8 +183,10 @@ impl RegionOptions {
             SolverArg::ShiftInvert => Eigensolver::ShiftInvert,
             SolverArg::Filter => Eigensolver::Filter,
         };
-        p.spectrum.memory_limit =
-            self.memory_limit.map(|mb| mb * 1_000_000).or_else(|| available_memory().map(|m| m / 5 * 4));
+        p.spectrum.memory_limit = self
+            .memory_limit
+            .map(|mb| mb.saturating_mul(1_000_000))
+            .or_else(|| available_memory().map(|m| m / 5 * 4));
         p.weight = match self.weight {
             WeightArg::Heat => Weight::Heat,
             WeightArg::Commute => Weight::CommuteTime,
@@ -203,11 +224,35 @@ impl RegionOptions {
     }
 }
 
+/// A whole number that is at least one.
+pub fn count(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(0) => Err("must be at least 1".into()),
+        Ok(n) => Ok(n),
+        Err(_) => Err("not a whole number of at least 1".into()),
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number")?;
+    (value.is_finite() && value > 0.0).then_some(value).ok_or("must be positive and finite".into())
+}
+
+fn fraction(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number")?;
+    (0.0..=1.0).contains(&value).then_some(value).ok_or("must be between 0 and 1".into())
+}
+
+/// More threads than any machine that this runs on has cores.
+const MOST_THREADS: usize = 1024;
+
 /// Sets the number of threads for everything that follows.
 pub fn use_threads(threads: Option<usize>) -> Result<(), CliError> {
     match threads {
         None => Ok(()),
-        Some(0) => Err(CliError::Usage("--threads must be at least 1".into())),
+        Some(n) if !(1..=MOST_THREADS).contains(&n) => {
+            Err(CliError::Usage(format!("--threads {n}: must be between 1 and {MOST_THREADS}")))
+        }
         Some(n) => rayon::ThreadPoolBuilder::new()
             .num_threads(n)
             .build_global()

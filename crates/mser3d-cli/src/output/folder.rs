@@ -15,8 +15,8 @@ use crate::input::Input;
 /// belong to it.
 pub struct OutputFolder {
     path: PathBuf,
-    /// Whether we made the folder, and take it away again if nothing gets written.
-    made: bool,
+    /// The folders we made, innermost first, and take away again if nothing gets written.
+    made: Vec<PathBuf>,
     done: std::cell::Cell<bool>,
 }
 
@@ -24,7 +24,8 @@ impl OutputFolder {
     /// Makes the folder, and finds out early whether it can be written to.
     pub fn create(path: &Path) -> Result<Self, CliError> {
         let fail = |source| CliError::OutputFolder { path: path.to_path_buf(), source };
-        let made = !path.exists();
+        let missing = path.ancestors().take_while(|p| !p.as_os_str().is_empty() && !p.exists());
+        let made = missing.map(Path::to_path_buf).collect();
         fs::create_dir_all(path).map_err(fail)?;
         let folder = Self { path: path.to_path_buf(), made, done: false.into() };
         tempfile::tempfile_in(path).map_err(fail)?;
@@ -49,9 +50,9 @@ impl OutputFolder {
 
 impl Drop for OutputFolder {
     fn drop(&mut self) {
-        if self.made && !self.done.get() {
-            // Only if it is still empty.
-            let _ = fs::remove_dir(&self.path);
+        if !self.done.get() {
+            // Only what is still empty goes.
+            self.made.iter().take_while(|path| fs::remove_dir(path).is_ok()).for_each(drop);
         }
     }
 }

@@ -4,4 +4,4 @@ mod folder;
 mod report;
 
 pub use folder::OutputFolder;
-pub use report::{DiagnosisReport, Report};
+pub use report::{DiagnosisReport, Report, identity, method_name};

@@ -38,6 +38,8 @@ pub struct Report {
 struct InputReport {
     path: String,
     sha256: String,
+    /// Of the mesh as it was read: what buffers beside a glTF file and animations make of it.
+    mesh_sha256: Option<String>,
     bytes: u64,
     format: String,
     animation: Option<String>,
@@ -114,6 +116,7 @@ impl Report {
         args: &InputArgs,
         parameters: &Parameters,
         features: &Features,
+        warning: Option<String>,
         meter: &Meter,
     ) -> Self {
         let diagnosis = input.mesh().map(diagnose);
@@ -126,6 +129,7 @@ impl Report {
             input: InputReport {
                 path: args.input.display().to_string(),
                 sha256: input.sha256.clone(),
+                mesh_sha256: input.mesh_sha256(),
                 bytes: input.bytes,
                 format: input.format(),
                 animation: args.animation.clone(),
@@ -147,7 +151,7 @@ impl Report {
             }),
             trees: features.trees.iter().map(tree_json).collect(),
             duplicates: features.duplicates,
-            warnings: loaded_notes.into_iter().chain(solid_warnings).collect(),
+            warnings: loaded_notes.into_iter().chain(warning).chain(solid_warnings).collect(),
             regions: regions(features),
             run: RunReport {
                 threads: rayon::current_num_threads(),
@@ -166,6 +170,11 @@ impl Report {
                     .collect(),
             },
         }
+    }
+
+    /// What the user should know about the input and how it was read.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
     }
 
     pub fn to_json(&self) -> String {
@@ -230,6 +239,22 @@ fn voxelization_json(features: &Features) -> Option<Value> {
         "cut_links": v.cut_links,
         "overlap_volume": v.overlap_volume,
     }))
+}
+
+/// What a result depends on, as `regions.json` has it: a result that has it is not computed again.
+pub fn identity(input: &Input, args: &InputArgs, domain: Domain, parameters: &Parameters) -> Value {
+    json!({
+        "mser3d": env!("CARGO_PKG_VERSION"),
+        "format": FORMAT,
+        "input": {
+            "sha256": input.sha256,
+            "mesh_sha256": input.mesh_sha256(),
+            "animation": args.animation,
+            "time": args.time,
+        },
+        "domain": domain_name(domain),
+        "parameters": parameters_json(parameters),
+    })
 }
 
 /// Every parameter used, also those that the command line has no option for.
