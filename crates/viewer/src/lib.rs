@@ -5,7 +5,8 @@
 //! * [`Model`]: a [`TriangleMesh`](mser3d_shape::TriangleMesh), the faces of a
 //!   [`VoxelGrid`](mser3d_shape::VoxelGrid), or a surface cut open over its voxels;
 //! * [`render`]: panels of models into one [`Image`], by a z-buffer on the CPU with supersampling, smooth
-//!   normals, ambient occlusion, and lines where shapes and regions end.
+//!   normals, ambient occlusion, and lines where shapes and regions end;
+//! * [`page`](page()): one HTML file to turn, click, cut and compare shapes in a browser.
 //!
 //! The same input gives the same bytes for any number of threads. Limits: orthographic views; one
 //! colour per sample, so no transparency.

@@ -115,8 +115,8 @@ pub fn render(panels: &[Panel<'_>], options: &RenderOptions) -> Result<Image, Vi
     }
     let tallest = extents.iter().map(|e| e.high[1] - e.low[1]).fold(0.0, f64::max);
     let widest = extents.iter().map(|e| e.high[0] - e.low[0]).fold(0.0, f64::max);
-    // A flat shape seen along its plane still gets a scale; a very wide one a panel of at most 3 : 1.
-    let unit = tallest.max(widest / 3.0).max(f64::MIN_POSITIVE);
+    // A very wide shape gets a panel of at most 3 : 1, a single point any scale.
+    let unit = Some(tallest.max(widest / 3.0)).filter(|unit| *unit > 0.0).unwrap_or(1.0);
     let inner = options.height as f64 * (1.0 - 2.0 * options.margin);
     let scale = inner / unit;
     let border = options.height as f64 * options.margin;

@@ -46,8 +46,12 @@ fn count(image: &Image, colour: Rgb, others: &[Rgb]) -> usize {
         let [_, a, b] = c.oklab();
         [a, b]
     };
-    let apart = |p: Rgb, q: Rgb| (hue(p)[0] - hue(q)[0]).hypot(hue(p)[1] - hue(q)[1]);
-    let is = |p: &&Rgb| others.iter().all(|o| apart(**p, colour) < apart(**p, *o));
+    let (wanted, others): (_, Vec<[f64; 2]>) = (hue(colour), others.iter().map(|o| hue(*o)).collect());
+    let apart = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]).hypot(p[1] - q[1]);
+    let is = |p: &&Rgb| {
+        let seen = hue(**p);
+        others.iter().all(|o| apart(seen, wanted) < apart(seen, *o))
+    };
     image.pixels().iter().filter(is).count()
 }
 
@@ -188,4 +192,8 @@ fn a_flat_or_tiny_shape_is_drawn_without_trouble() {
         let sheet = render(&Panel::around(&model), &plain()).unwrap();
         assert!(count(&sheet, PALETTE[5], &[Rgb::WHITE]) > 1000, "{size}");
     }
+    let point = TriangleMesh::new(vec![[2.0; 3]], vec![[0, 0, 0]]).unwrap();
+    let model = Model::from_mesh(&point, Colours::Uniform(PALETTE[5])).unwrap();
+    let sheet = render(&Panel::around(&model), &plain()).unwrap();
+    assert_eq!(count(&sheet, PALETTE[5], &[Rgb::WHITE]), 0);
 }
