@@ -1,7 +1,6 @@
 //! Chebyshev polynomials of the grid Laplacian, applied to blocks of vectors without a matrix.
 
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use mser3d_laplace::GridStencil;
 use mser3d_shape::VoxelGrid;
@@ -81,20 +80,21 @@ impl SlicedStencil {
         (0..self.len() as u32).map(|row| sets.find(row)).collect()
     }
 
-    /// `y = A x` on some rows: y has as many as there are in `rows`.
-    pub fn apply_rows(&self, x: &[Lanes], rows: Range<usize>, y: &mut [Lanes]) {
-        pulp::Arch::new().dispatch(Apply { stencil: self, x, rows, y });
+    /// `y = A x`.
+    pub fn apply(&self, x: &[Lanes], y: &mut [Lanes]) {
+        pulp::Arch::new().dispatch(Apply { stencil: self, x, y });
     }
 
-    /// `x = p(A) x`; `work` is of the size of x and holds rubbish afterwards. Stops early when `cancelled`.
-    pub fn filter(&self, p: Polynomial, x: &mut [Lanes], work: &mut [Lanes], cancelled: &AtomicBool) {
+    /// `x = p(A) x`; `work` is of the size of x and holds rubbish afterwards. Asks now and then whether
+    /// it was `cancelled`, and then stops with rubbish in x.
+    pub fn filter(&self, p: Polynomial, x: &mut [Lanes], work: &mut [Lanes], cancelled: &dyn Fn() -> bool) {
         let steps = p.steps(self.bound);
         let mean_slice = 2 * size_of::<Lanes>() * self.len() / (self.slices.len() - 1).max(1);
         let depth = (WAVE_BYTES / mean_slice.max(1)).saturating_sub(2).clamp(1, 16);
         // An even number of steps leaves the result in x.
         let (mut first, mut second) = (x, work);
         for steps in steps.chunks(depth) {
-            if cancelled.load(Ordering::Relaxed) {
+            if cancelled() {
                 return;
             }
             pulp::Arch::new().dispatch(Waves { stencil: self, steps, first, second });
@@ -132,7 +132,6 @@ impl SlicedStencil {
 struct Apply<'a> {
     stencil: &'a SlicedStencil,
     x: &'a [Lanes],
-    rows: Range<usize>,
     y: &'a mut [Lanes],
 }
 
@@ -142,7 +141,7 @@ impl WithSimd for Apply<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let step = Step { a: 1.0, x: 0.0, previous: 0.0 };
-        self.stencil.step(simd, step, self.x, self.y, self.rows);
+        self.stencil.step(simd, step, self.x, self.y, 0..self.stencil.len());
     }
 }
 
@@ -227,7 +226,7 @@ mod tests {
         for degree in [2, 7, 40] {
             let p = Polynomial { degree, target: lambda(0), cutoff: 6.0 };
             let (mut x, mut work) = (start.clone(), vec![Lanes([1e3; LANES]); start.len()]);
-            stencil.filter(p, &mut x, &mut work, &AtomicBool::new(false));
+            stencil.filter(p, &mut x, &mut work, &|| false);
             let (e, c) = ((48.0 - 6.0) / 2.0, 27.0);
             let chebyshev = |t: f64| -> f64 {
                 let d = degree.next_multiple_of(2) as f64;

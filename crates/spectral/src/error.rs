@@ -39,7 +39,7 @@ pub enum SpectralError {
     },
     /// The iteration ended before all eigenpairs reached the tolerance.
     #[error(
-        "{converged} of {wanted} eigenpairs converged in {iterations} {unit} (worst relative residual {residual:.1e}, \
+        "{converged} of {wanted} eigenpairs converged in {restarts} restarts (worst relative residual {residual:.1e}, \
          wanted {tolerance:.1e}); allow more iterations, loosen the tolerance or ask for fewer eigenpairs"
     )]
     NotConverged {
@@ -47,10 +47,8 @@ pub enum SpectralError {
         converged: usize,
         /// Eigenpairs asked for.
         wanted: usize,
-        /// Iterations done.
-        iterations: usize,
-        /// What an iteration is: restarts or filter passes.
-        unit: &'static str,
+        /// Restarts done.
+        restarts: usize,
         /// The largest relative residual.
         residual: f64,
         /// The tolerance.

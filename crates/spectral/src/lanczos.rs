@@ -5,11 +5,16 @@
 //! All coefficients of the projected matrix are computed by orthogonalization against the whole
 //! basis, so a restart needs no special case.
 
+use std::ops::Range;
+
 use faer::Mat;
 
 use crate::SpectralError;
 use crate::standard::NullSpace;
 use crate::tall::{LANES, Noise, Tall, orthonormal_combinations, small_eigen};
+
+/// Columns added at a time.
+pub(crate) const BLOCK: usize = 2 * LANES;
 
 /// What the iteration needs to know.
 pub(crate) struct Lanczos<'a> {
@@ -17,10 +22,10 @@ pub(crate) struct Lanczos<'a> {
     pub rows: usize,
     /// Eigenpairs wanted.
     pub wanted: usize,
-    /// Columns of a block of the iteration, a multiple of [`LANES`].
-    pub block: usize,
-    /// Most columns of the basis.
+    /// Most columns of the basis, a multiple of [`BLOCK`].
     pub capacity: usize,
+    /// Columns from which on convergence is looked at before the basis is full.
+    pub check_from: usize,
     /// Largest number of restarts.
     pub max_restarts: usize,
     /// Directions that take no part.
@@ -32,6 +37,7 @@ pub(crate) struct RitzPairs {
     pub values: Vec<f64>,
     pub vectors: Tall,
     pub restarts: usize,
+    /// Vectors that the operator was applied to.
     pub applications: usize,
 }
 
@@ -44,127 +50,131 @@ impl Lanczos<'_> {
         accept: impl Fn(f64, f64) -> bool,
         mut progress: impl FnMut(usize) -> bool,
     ) -> Result<RitzPairs, SpectralError> {
-        let (b, n) = (self.block, self.rows);
-        let mut basis = Tall::zeros(n, self.capacity + b);
-        let mut projected = Mat::<f64>::zeros(self.capacity + b, self.capacity + b);
+        let n = self.rows;
         let mut noise = Noise(0x6d73_6572_3364);
-        let mut block = Tall::zeros(n, b);
-        block.fill_noise(0..b, &mut noise);
+        let mut basis = Tall::from_blocks(n, Vec::with_capacity(self.capacity / LANES + 2));
+        let mut projected = Mat::<f64>::zeros(self.capacity + BLOCK, self.capacity + BLOCK);
+        let mut block = Tall::zeros(n, BLOCK);
+        block.fill_noise(0..BLOCK, &mut noise);
         self.null_space.project_out(&mut block);
-        orthonormalize(&mut block, &basis, 0, self.null_space, &mut noise)?;
-        set_blocks(&mut basis, 0, block);
+        orthonormalize(&mut block, &basis, self.null_space, &mut noise)?;
+        basis.blocks_mut().append(block.blocks_mut());
 
-        let (mut filled, mut applications) = (0, 0); // columns whose image is known
-        for restarts in 0.. {
-            let mut coupling = Mat::zeros(b, b);
-            while filled + b <= self.capacity {
-                let mut image = get_blocks(&basis, filled, b);
-                apply(&mut image);
-                applications += b;
-                self.null_space.project_out(&mut image);
-                let known = filled + b;
-                for _ in 0..2 {
-                    let overlaps = basis.gram(0..known, &image, 0..b);
-                    image.subtract(&basis, 0..known, overlaps.as_ref());
-                    for j in 0..b {
-                        for i in 0..known {
-                            projected[(filled + j, i)] += overlaps[(i, j)];
-                        }
+        // Columns whose image is known; the basis has one block more.
+        let (mut filled, mut applications, mut restarts) = (0, 0, 0);
+        // After a restart the next image has a part along all columns, otherwise along the last two blocks.
+        let mut coupled = 0;
+        loop {
+            let mut image = Tall::from_blocks(n, basis.blocks()[filled / LANES..].to_vec());
+            apply(&mut image);
+            applications += BLOCK;
+            self.null_space.project_out(&mut image);
+            let known = filled + BLOCK;
+            // The large part first; then, against the whole basis, what rounding left.
+            for columns in [coupled..known, 0..known] {
+                let overlaps = basis.gram(blocks(&columns), &image);
+                image.subtract(&basis, blocks(&columns), overlaps.as_ref());
+                for j in 0..BLOCK {
+                    for i in columns.clone() {
+                        projected[(filled + j, i)] += overlaps[(i - columns.start, j)];
                     }
                 }
-                coupling = orthonormalize(&mut image, &basis, known, self.null_space, &mut noise)?;
-                set_blocks(&mut basis, known, image);
-                filled = known;
-                if !progress(0) {
-                    return Err(SpectralError::Cancelled);
-                }
             }
-            // The last block's coupling to the next, unexplored one gives the residuals.
-            let square =
-                Mat::from_fn(
-                    filled,
-                    filled,
-                    |i, j| {
-                        if i >= j { projected[(i, j)] } else { projected[(j, i)] }
-                    },
-                );
-            let (ascending, vectors) = small_eigen(&square).ok_or(SpectralError::DenseEigenproblem)?;
-            let order: Vec<usize> = (0..filled).rev().collect();
-            let residual = |at: usize| -> f64 {
-                let entry = |i: usize| -> f64 {
-                    (0..b).map(|j| coupling[(i, j)] * vectors[(filled - b + j, at)]).sum()
-                };
-                (0..b).map(|i| entry(i).powi(2)).sum::<f64>().sqrt()
-            };
-            let good = |&&at: &&usize| accept(ascending[at], residual(at));
-            let converged = order[..self.wanted.min(filled)].iter().take_while(good).count();
-            let done = converged == self.wanted;
+            let coupling = orthonormalize(&mut image, &basis, self.null_space, &mut noise)?;
+            basis.blocks_mut().append(image.blocks_mut());
+            coupled = filled;
+            filled = known;
+            if !progress(0) {
+                return Err(SpectralError::Cancelled);
+            }
+            let full = filled + BLOCK > self.capacity;
+            if !full && filled < self.check_from {
+                continue;
+            }
+            let ritz = Ritz::new(&projected, filled, &coupling)?;
+            let wanted = self.wanted.min(filled);
+            let good = |at: &usize| accept(ritz.values[*at], ritz.residuals[*at]);
+            let converged = (0..wanted).take_while(good).count();
             if !progress(converged) {
                 return Err(SpectralError::Cancelled);
             }
-            let last = done || restarts == self.max_restarts;
+            let last = converged == self.wanted || full && restarts == self.max_restarts;
+            if !last && !full {
+                continue;
+            }
             // Keep the wanted ones and half of the rest: what is thrown away must be found again.
-            let keep = if last { self.wanted.min(filled) } else { (self.wanted + filled) / 2 / b * b };
-            let rotation = Mat::from_fn(filled, keep, |i, j| vectors[(i, order[j])]);
-            basis.rotate(0..filled, rotation.as_ref(), 0);
-            let values: Vec<f64> = order[..keep].iter().map(|&at| ascending[at]).collect();
+            let keep = if last { wanted } else { (wanted + filled) / 2 / BLOCK * BLOCK };
+            let next = basis.blocks_mut().split_off(filled / LANES);
+            basis.rotate(ritz.vectors.subcols(0, keep));
+            basis.blocks_mut().truncate(keep.div_ceil(LANES));
+            let values = ritz.values[..keep].to_vec();
             if last {
                 return Ok(RitzPairs { values, vectors: basis, restarts, applications });
             }
-            let next = get_blocks(&basis, filled, b);
-            set_blocks(&mut basis, keep, next);
+            basis.blocks_mut().extend(next);
             projected.fill(0.0);
             for (i, &value) in values.iter().enumerate() {
                 projected[(i, i)] = value;
             }
-            filled = keep;
+            (filled, coupled) = (keep, 0);
+            restarts += 1;
         }
-        unreachable!("the loop ends by its last restart")
     }
 }
 
-fn get_blocks(basis: &Tall, from: usize, count: usize) -> Tall {
-    let mut block = Tall::zeros(basis.rows(), count);
-    let blocks = &basis.blocks()[from / LANES..];
-    block.blocks_mut().iter_mut().zip(blocks).for_each(|(target, source)| target.clone_from(source));
-    block
+fn blocks(columns: &Range<usize>) -> Range<usize> {
+    columns.start / LANES..columns.end / LANES
 }
 
-fn set_blocks(basis: &mut Tall, to: usize, mut block: Tall) {
-    for b in 0..block.blocks().len() {
-        basis.put(to / LANES + b, block.take(b));
+/// Eigenpairs of the projected matrix, largest first, and the residuals of the Ritz pairs.
+struct Ritz {
+    values: Vec<f64>,
+    vectors: Mat<f64>,
+    residuals: Vec<f64>,
+}
+
+impl Ritz {
+    /// The last block's coupling to the next, unexplored one gives the residuals.
+    fn new(projected: &Mat<f64>, filled: usize, coupling: &Mat<f64>) -> Result<Self, SpectralError> {
+        let square = projected.submatrix(0, 0, filled, filled).to_owned();
+        let (values, vectors) = small_eigen(&square).ok_or(SpectralError::DenseEigenproblem)?;
+        let vectors = vectors.as_ref().reverse_cols().to_owned();
+        let tails = coupling * vectors.subrows(filled - BLOCK, BLOCK);
+        let norm = |at: usize| (0..BLOCK).map(|i| tails[(i, at)].powi(2)).sum::<f64>().sqrt();
+        Ok(Self {
+            values: values.into_iter().rev().collect(),
+            residuals: (0..filled).map(norm).collect(),
+            vectors,
+        })
     }
 }
 
-/// Makes the columns of `block` orthonormal, and orthogonal to the first `known` columns of `basis`
-/// as they were before. Directions that depend on the others are replaced by noise. Returns R of
-/// `block = Q R`; R is zero in the rows of replaced columns.
+/// Makes the columns of `block` orthonormal. Directions that depend on the others are replaced by
+/// noise orthogonal to the basis. Returns R of `block = Q R`; R is zero in the rows of replaced columns.
 fn orthonormalize(
     block: &mut Tall,
     basis: &Tall,
-    known: usize,
     null_space: &NullSpace,
     noise: &mut Noise,
 ) -> Result<Mat<f64>, SpectralError> {
-    let b = block.columns();
-    let mut r = Mat::<f64>::identity(b, b);
+    let mut r = Mat::<f64>::identity(BLOCK, BLOCK);
+    let all: Range<usize> = 0..BLOCK / LANES;
     // Two rounds: the second mends what the condition of the first lost.
     for _ in 0..2 {
-        let gram = block.self_gram(0..b);
-        let (combination, _) = orthonormal_combinations(&gram).ok_or(SpectralError::DenseEigenproblem)?;
+        let gram = block.gram(all.clone(), block);
+        let combination = orthonormal_combinations(&gram).ok_or(SpectralError::DenseEigenproblem)?;
         let found = combination.ncols();
         // Q = X C, so Q^T X = C^T (X^T X).
-        let gram = Mat::from_fn(b, b, |i, j| gram[(i.max(j), i.min(j))]);
-        let mut step = Mat::<f64>::zeros(b, b);
+        let mut step = Mat::<f64>::zeros(BLOCK, BLOCK);
         step.subrows_mut(0, found).copy_from(combination.transpose() * &gram);
         r = &step * &r;
-        block.rotate(0..b, combination.as_ref(), 0);
-        if found < b {
-            block.fill_noise(found..b, noise);
+        block.rotate(combination.as_ref());
+        if found < BLOCK {
+            block.fill_noise(found..BLOCK, noise);
             null_space.project_out(block);
             for _ in 0..2 {
-                let overlaps = basis.gram(0..known, block, 0..b);
-                block.subtract(basis, 0..known, overlaps.as_ref());
+                let overlaps = basis.gram(0..basis.blocks().len(), block);
+                block.subtract(basis, 0..basis.blocks().len(), overlaps.as_ref());
             }
         }
     }

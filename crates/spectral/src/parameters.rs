@@ -12,7 +12,7 @@ pub enum Eigensolver {
     Auto,
     /// Block Lanczos on the inverse, by sparse Cholesky factorization.
     ShiftInvert,
-    /// Subspace iteration on Chebyshev polynomials of the grid's stencil, without a matrix.
+    /// Block Lanczos on a Chebyshev polynomial of the grid's stencil, without a matrix.
     Filter,
 }
 
@@ -26,7 +26,7 @@ pub struct SpectrumParameters {
     pub tolerance: f64,
     /// The algorithm. Default [`Eigensolver::Auto`].
     pub solver: Eigensolver,
-    /// Restarts (shift-invert) or passes (filter) before giving up. Default 60.
+    /// Restarts before giving up. Default 60.
     pub max_iterations: usize,
     /// Refuse work whose estimated memory exceeds this many bytes. Default: no limit.
     pub memory_limit: Option<u64>,
@@ -76,9 +76,9 @@ pub struct Spectrum {
 /// How a spectrum was found, and its quality as measured on the result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpectrumReport {
-    /// `"dense"`, `"shift-invert Lanczos"` or `"Chebyshev filter"`.
+    /// `"dense"`, `"shift-invert Lanczos"` or `"filtered Lanczos"`.
     pub solver: &'static str,
-    /// Restarts or filter passes.
+    /// Restarts.
     pub iterations: usize,
     /// Vectors that the operator, or its inverse, was applied to.
     pub applications: usize,

@@ -6,8 +6,8 @@ use mser3d_laplace::{Operator, grid_laplacian};
 use mser3d_shape::{Domain, Eigenbasis, VoxelGrid};
 use rayon::prelude::*;
 
-use crate::filter::{coarse_factor, filtered_eigenpairs, subspace_size};
-use crate::lanczos::{Lanczos, RitzPairs};
+use crate::filter::{basis_columns, coarse_factor, filtered_eigenpairs};
+use crate::lanczos::{BLOCK, Lanczos, RitzPairs};
 use crate::shift_invert::Inverse;
 use crate::standard::{StandardProblem, dense_eigenpairs};
 use crate::tall::{LANES, Tall};
@@ -47,8 +47,10 @@ pub fn smallest_eigenpairs(
         let none = Tall::zeros(n, 1);
         return finish(operator, &problem, parameters, "shift-invert Lanczos", vec![], none, (0, 0), k);
     }
-    check_memory(parameters, n, n * (lanczos_capacity(&problem, wanted) + 5 * BLOCK + k) + 60 * n)?;
-    let (values, ritz) = inverse_lanczos(&problem, wanted, parameters, progress)?;
+    let capacity = lanczos_capacity(&problem, (COLUMNS_PER_PAIR * wanted as f64) as usize);
+    check_memory(parameters, n, n * (capacity + 5 * BLOCK + k) + 60 * n)?;
+    let (restarts, tolerance) = (parameters.max_iterations, parameters.tolerance);
+    let (values, ritz) = inverse_lanczos(&problem, wanted, capacity, restarts, tolerance, progress)?;
     let counts = (ritz.restarts, ritz.applications);
     finish(operator, &problem, parameters, "shift-invert Lanczos", values, ritz.vectors, counts, k)
 }
@@ -71,79 +73,89 @@ pub fn smallest_eigenpairs_of_grid(
     if k > n {
         return Err(SpectralError::TooManyEigenpairs { requested: k, available: n });
     }
-    let columns = subspace_size(k);
     let filter = match parameters.solver {
-        Eigensolver::Auto => coarse_factor(n, columns).is_some(),
-        Eigensolver::Filter => columns + 8 * BLOCK < n / 8,
+        Eigensolver::Auto => coarse_factor(n, k).is_some(),
+        Eigensolver::Filter => basis_columns(k) + 8 * BLOCK < n,
         Eigensolver::ShiftInvert => false,
     };
     if !filter {
         return smallest_eigenpairs(&grid_laplacian(grid), parameters, progress);
     }
-    let buffers = (2 * rayon::current_num_threads() + 8) * LANES;
-    check_memory(parameters, n, n * (columns + k.max(buffers)) + 8 * n)?;
+    check_memory(parameters, n, n * filter_columns(k) + 8 * n)?;
     let found = filtered_eigenpairs(grid, parameters, progress)?;
     let zero_modes = found.null_space.len().min(k);
     let wanted = k - zero_modes;
+    let residual = check_residuals(&found.residuals, zero_modes, parameters, found.restarts)?;
     let report = SpectrumReport {
-        solver: "Chebyshev filter",
-        iterations: found.passes,
+        solver: "filtered Lanczos",
+        iterations: found.restarts,
         applications: found.applications,
-        residual: found.residual,
+        residual,
         orthogonality: orthogonality(&found.vectors, wanted),
         zero_modes,
     };
     let scale = 1.0 / grid.frame().voxel_volume().sqrt();
+    let order = ascending(&found.values);
     let mut functions = vec![0.0; n * k];
     for (row, &voxel) in found.order.iter().enumerate() {
         let target = &mut functions[voxel as usize * k..(voxel as usize + 1) * k];
         if let Some(constant) = target[..zero_modes].get_mut(found.null_space.label(row)) {
             *constant = found.null_space.constant(row);
         }
-        for (i, t) in target[zero_modes..].iter_mut().enumerate() {
+        for (t, &i) in target[zero_modes..].iter_mut().zip(&order) {
             *t = found.vectors.at(row, i) * scale;
         }
     }
-    let values = std::iter::repeat_n(0.0, zero_modes).chain(found.values[..wanted].iter().copied());
+    let values = std::iter::repeat_n(0.0, zero_modes).chain(order.iter().map(|&i| found.values[i]));
     let mass = vec![grid.frame().voxel_volume(); n];
     let basis = Eigenbasis::new(Domain::Volume, mass, values.collect(), functions)
-        .expect("Ritz values are sorted and not negative");
+        .expect("Rayleigh quotients are sorted and not negative");
     Ok(Spectrum { basis, report })
 }
 
-/// The smallest non-zero eigenpairs of a coarse operator, roughly: values, and functions row by row.
-pub(crate) fn coarse_eigenpairs(
-    operator: &Operator,
-    wanted: usize,
-) -> Result<(Vec<f64>, Vec<f64>), SpectralError> {
-    let problem = StandardProblem::new(operator);
-    let rough = SpectrumParameters { tolerance: 1e-2, ..Default::default() };
-    let (values, vectors) = if problem.len() <= DENSE_ROWS || wanted + 8 * BLOCK > problem.len() {
-        dense_eigenpairs(&problem)?
-    } else {
-        let (values, ritz) = inverse_lanczos(&problem, wanted, &rough, &|_| ControlFlow::Continue(()))?;
-        (values, ritz.vectors)
-    };
-    let mut functions = Vec::with_capacity(problem.len() * wanted);
-    for row in 0..problem.len() {
-        functions.extend((0..wanted).map(|i| vectors.at(row, i) / problem.root_mass[row]));
-    }
-    Ok((values[..wanted].to_vec(), functions))
+/// Columns of n numbers that the filter holds at its peak: the basis with a block's image and work
+/// space, or the eigenvectors twice.
+fn filter_columns(k: usize) -> usize {
+    (basis_columns(k) + 3 * BLOCK).max(2 * k + BLOCK)
 }
 
-/// Columns of a Lanczos block.
-const BLOCK: usize = 2 * LANES;
+/// The places of values that are nearly in order, in order.
+fn ascending(values: &[f64]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
+    order
+}
 
-/// Weyl: about 2.5 k columns find k pairs without a restart; small k needs some more.
-fn lanczos_capacity(problem: &StandardProblem, wanted: usize) -> usize {
-    (5 * wanted / 2 + 4 * BLOCK).min(problem.len() - problem.null_space.len()) / BLOCK * BLOCK
+/// The smallest non-zero eigenvalues of a coarse operator, roughly.
+pub(crate) fn coarse_eigenvalues(operator: &Operator, wanted: usize) -> Result<Vec<f64>, SpectralError> {
+    let problem = StandardProblem::new(operator);
+    let wanted = wanted.min(problem.len() - problem.null_space.len());
+    let mut values = if problem.len() <= DENSE_ROWS || wanted + 8 * BLOCK > problem.len() {
+        dense_eigenpairs(&problem)?.0
+    } else {
+        // One sweep without restarts: a cut-off need not be exact.
+        let capacity = lanczos_capacity(&problem, 3 * wanted / 2);
+        inverse_lanczos(&problem, wanted, capacity, 0, 1e-2, &|_| ControlFlow::Continue(()))?.0
+    };
+    values.truncate(wanted);
+    Ok(values)
+}
+
+/// About 2.5 k columns find k pairs without a restart; small k needs some more.
+const COLUMNS_PER_PAIR: f64 = 2.5;
+
+/// Columns of the basis, a multiple of the block's.
+fn lanczos_capacity(problem: &StandardProblem, columns: usize) -> usize {
+    (columns + 4 * BLOCK).min(problem.len() - problem.null_space.len()) / BLOCK * BLOCK
 }
 
 /// Eigenvalues, ascending, and Ritz vectors by Lanczos on the inverse.
 fn inverse_lanczos(
     problem: &StandardProblem,
     wanted: usize,
-    parameters: &SpectrumParameters,
+    capacity: usize,
+    max_restarts: usize,
+    tolerance: f64,
     progress: &(dyn Fn(usize) -> ControlFlow<()> + Sync),
 ) -> Result<(Vec<f64>, RitzPairs), SpectralError> {
     let zeros = problem.null_space.len();
@@ -154,19 +166,23 @@ fn inverse_lanczos(
     let lanczos = Lanczos {
         rows: problem.len(),
         wanted,
-        block: BLOCK,
-        capacity: lanczos_capacity(problem, wanted),
-        max_restarts: parameters.max_iterations,
+        capacity,
+        check_from: 7 * wanted / 4,
+        max_restarts,
         null_space: &problem.null_space,
     };
-    // With theta = 1 / (lambda + sigma), a residual r of the inverse is about r / theta^2 of A, and
-    // relative to lambda r / theta or less. A margin, because true residuals decide in the end.
-    let accept = |theta: f64, residual: f64| residual <= 0.02 * parameters.tolerance * theta;
+    // With theta = 1 / (lambda + sigma), a residual r of the inverse is one of r / theta^2 of A after a
+    // step of inverse iteration, and lambda may be far below sigma. A margin, and a floor where rounding
+    // ends all progress, because true residuals decide in the end.
+    let accept = |theta: f64, residual: f64| {
+        let lambda_theta = 1.0 - sigma * theta;
+        residual <= theta * (0.1 * tolerance * lambda_theta).max(1e-14)
+    };
     let report = |converged: usize| progress(zeros + converged).is_continue();
     let mut ritz = lanczos.run(|x| inverse.apply(x), accept, report)?;
     let values: Vec<f64> = ritz.values.iter().map(|theta| (1.0 / theta - sigma).max(0.0)).collect();
     let residuals = Quality::measure(problem, &values[..wanted], &ritz.vectors).residuals;
-    if residuals.iter().any(|&r| r > parameters.tolerance) {
+    if residuals.iter().any(|&r| r > tolerance) {
         ritz.vectors = smoothed(ritz.vectors, &ritz.values[..wanted], &inverse);
     }
     Ok((values, ritz))
@@ -178,11 +194,7 @@ fn inverse_lanczos(
 /// with triangles of very different sizes multiplies those by 10^7. The inverse smooths them away.
 /// Residuals of Ritz vectors are orthogonal to all of them, so this changes their scalar products only
 /// by the square of the residuals.
-fn smoothed(mut basis: Tall, theta: &[f64], inverse: &Inverse) -> Tall {
-    let mut vectors = Tall::zeros(basis.rows(), theta.len());
-    for b in 0..vectors.blocks().len() {
-        vectors.put(b, basis.take(b));
-    }
+fn smoothed(mut vectors: Tall, theta: &[f64], inverse: &Inverse) -> Tall {
     inverse.apply(&mut vectors);
     vectors.blocks_mut().iter_mut().zip(theta.chunks(LANES)).for_each(|(block, theta)| {
         for row in block {
@@ -207,22 +219,12 @@ fn finish(
     let zero_modes = problem.null_space.len().min(k);
     let wanted = k - zero_modes;
     let quality = Quality::measure(problem, &values[..wanted], &vectors);
-    let converged = quality.residuals.iter().filter(|&&r| r <= parameters.tolerance).count();
-    if converged < wanted {
-        return Err(SpectralError::NotConverged {
-            converged: zero_modes + converged,
-            wanted: k,
-            iterations,
-            unit: "restarts",
-            residual: quality.residual(),
-            tolerance: parameters.tolerance,
-        });
-    }
+    let residual = check_residuals(&quality.residuals, zero_modes, parameters, iterations)?;
     let report = SpectrumReport {
         solver,
         iterations,
         applications,
-        residual: quality.residual(),
+        residual,
         orthogonality: quality.orthogonality,
         zero_modes,
     };
@@ -253,16 +255,33 @@ impl Quality {
         let residuals = residuals.as_flattened()[..count].to_vec();
         Self { residuals, orthogonality: orthogonality(vectors, count) }
     }
+}
 
-    fn residual(&self) -> f64 {
-        self.residuals.iter().copied().fold(0.0, f64::max)
+/// The largest residual, if all are below the tolerance.
+fn check_residuals(
+    residuals: &[f64],
+    zero_modes: usize,
+    parameters: &SpectrumParameters,
+    restarts: usize,
+) -> Result<f64, SpectralError> {
+    let residual = residuals.iter().copied().fold(0.0, f64::max);
+    if residual <= parameters.tolerance {
+        return Ok(residual);
     }
+    let converged = residuals.iter().filter(|&&r| r <= parameters.tolerance).count();
+    Err(SpectralError::NotConverged {
+        converged: zero_modes + converged,
+        wanted: parameters.eigenpairs,
+        restarts,
+        residual,
+        tolerance: parameters.tolerance,
+    })
 }
 
 /// Largest entry of |V^T V - I| over the first columns.
 fn orthogonality(vectors: &Tall, count: usize) -> f64 {
-    let gram = vectors.self_gram(0..count);
-    let entries = (0..count).flat_map(|i| (0..=i).map(move |j| (i, j)));
+    let gram = vectors.gram(0..count.div_ceil(LANES), vectors);
+    let entries = (0..count).flat_map(|i| (0..count).map(move |j| (i, j)));
     entries.map(|(i, j)| (gram[(i, j)] - f64::from(u8::from(i == j))).abs()).fold(0.0, f64::max)
 }
 

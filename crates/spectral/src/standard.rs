@@ -177,6 +177,6 @@ pub(crate) fn dense_eigenpairs(problem: &StandardProblem) -> Result<(Vec<f64>, T
     let (values, vectors) = crate::tall::small_eigen(&matrix).ok_or(SpectralError::DenseEigenproblem)?;
     let rest = n - null.len();
     let mut tall = Tall::zeros(n, rest);
-    tall.fill(|row, column| vectors[(row, column)]);
+    tall.fill(rest, |row, column| vectors[(row, column)]);
     Ok((values[..rest].iter().map(|v| v.max(0.0)).collect(), tall))
 }

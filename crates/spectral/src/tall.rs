@@ -1,18 +1,16 @@
 //! Tall thin matrices as blocks of eight columns: the dense kernels under both solvers.
 //!
-//! A row of a block is one cache line. A block is what filters, factors and stencils work on in
-//! place; the dense kernels pack chunks of rows for matrix multiplication.
+//! A row of a block is one cache line and, with AVX-512, one register. Filters, factors and stencils
+//! work on blocks in place; products of matrices are made of 8 x 8 kernels on them, without packing.
 //!
-//! Work is split into chunks of rows whose size depends on nothing but the matrix, each done with
-//! sequential kernels; sums over chunks are added in order. So results are the same bits for any
-//! number of threads.
+//! Work is split into chunks of rows whose size depends on nothing but the matrix; sums over chunks
+//! are added in order. So results are the same bits for any number of threads.
 
 use std::ops::Range;
 
-use faer::linalg::matmul::matmul;
-use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
-use faer::{Accum, Mat, MatMut, MatRef, Par};
+use faer::{Mat, MatRef, Par};
+use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 /// Columns of a block.
@@ -23,36 +21,43 @@ pub(crate) const LANES: usize = 8;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Lanes(pub [f64; LANES]);
 
+impl Lanes {
+    pub const ZERO: Self = Self([0.0; LANES]);
+}
+
 /// A block of columns.
 pub(crate) type Block = Vec<Lanes>;
 
-/// Rows in a chunk: 256 rows of 150 columns are 300 KB, within the second-level cache.
-const CHUNK: usize = 256;
-/// Chunks that share a partial sum.
-const GROUP: usize = 32;
+/// Products of a row of one block with a row of another: entry (i, j) is row i, lane j.
+type Square = [Lanes; LANES];
 
-/// A matrix of `rows` rows; columns beyond the used ones are zero or rubbish.
+/// Rows in a chunk: 128 rows of 250 columns are 256 KB, within the second-level cache.
+const CHUNK: usize = 128;
+/// Chunks that share a partial sum.
+const GROUP: usize = 64;
+
+/// A matrix of `rows` rows and whole blocks of columns.
 #[derive(Clone, Debug)]
 pub(crate) struct Tall {
     rows: usize,
-    columns: usize,
     blocks: Vec<Block>,
 }
 
 impl Tall {
+    /// At least `columns` columns of zeros.
     pub fn zeros(rows: usize, columns: usize) -> Self {
-        let blocks = vec![vec![Lanes([0.0; LANES]); rows]; columns.div_ceil(LANES)];
-        Self { rows, columns, blocks }
+        Self { rows, blocks: vec![vec![Lanes::ZERO; rows]; columns.div_ceil(LANES)] }
+    }
+
+    pub fn from_blocks(rows: usize, blocks: Vec<Block>) -> Self {
+        Self { rows, blocks }
     }
 
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    pub fn columns(&self) -> usize {
-        self.columns
-    }
-
+    #[inline]
     pub fn at(&self, row: usize, column: usize) -> f64 {
         self.blocks[column / LANES][row].0[column % LANES]
     }
@@ -61,23 +66,14 @@ impl Tall {
         &self.blocks
     }
 
-    pub fn blocks_mut(&mut self) -> &mut [Block] {
+    pub fn blocks_mut(&mut self) -> &mut Vec<Block> {
         &mut self.blocks
     }
 
-    /// A block by value, to work on; give it back with [`Tall::put`].
-    pub fn take(&mut self, block: usize) -> Block {
-        std::mem::take(&mut self.blocks[block])
-    }
-
-    pub fn put(&mut self, block: usize, values: Block) {
-        self.blocks[block] = values;
-    }
-
-    /// Sets each entry, row by row.
-    pub fn fill(&mut self, mut value: impl FnMut(usize, usize) -> f64) {
+    /// Sets the first `columns` columns, row by row.
+    pub fn fill(&mut self, columns: usize, mut value: impl FnMut(usize, usize) -> f64) {
         for row in 0..self.rows {
-            for column in 0..self.columns {
+            for column in 0..columns {
                 self.blocks[column / LANES][row].0[column % LANES] = value(row, column);
             }
         }
@@ -92,122 +88,74 @@ impl Tall {
         }
     }
 
-    fn chunks(&self) -> usize {
-        self.rows.div_ceil(CHUNK)
-    }
-
     fn rows_of(&self, chunk: usize) -> Range<usize> {
         chunk * CHUNK..((chunk + 1) * CHUNK).min(self.rows)
     }
 
-    /// Packs some columns of a chunk of rows, row by row; whole blocks are copied.
-    fn pack(&self, chunk: usize, columns: &Range<usize>, buffer: &mut Vec<f64>) -> Panel {
-        let rows = self.rows_of(chunk);
-        let (first, last) = (columns.start / LANES, columns.end.div_ceil(LANES));
-        let stride = (last - first) * LANES;
-        buffer.resize(rows.len() * stride, 0.0);
-        for (b, block) in self.blocks[first..last].iter().enumerate() {
-            for (target, source) in buffer.chunks_exact_mut(stride).zip(&block[rows.clone()]) {
-                target[b * LANES..(b + 1) * LANES].copy_from_slice(&source.0);
+    /// `self[:, blocks]^T other`: rows are the columns of the blocks.
+    pub fn gram(&self, blocks: Range<usize>, other: &Self) -> Mat<f64> {
+        let left = &self.blocks[blocks];
+        let (m, n) = (left.len(), other.blocks.len());
+        let partial = |group: usize| {
+            let mut sums = vec![[Lanes::ZERO; LANES]; m * n];
+            for chunk in group * GROUP..((group + 1) * GROUP).min(self.rows.div_ceil(CHUNK)) {
+                let rows = self.rows_of(chunk);
+                for (i, a) in left.iter().enumerate() {
+                    for (j, b) in other.blocks.iter().enumerate() {
+                        add_products(&a[rows.clone()], &b[rows.clone()], &mut sums[i * n + j]);
+                    }
+                }
+            }
+            sums
+        };
+        let groups = self.rows.div_ceil(CHUNK * GROUP);
+        let partials: Vec<Vec<Square>> = (0..groups).into_par_iter().map(partial).collect();
+        let mut total = Mat::zeros(m * LANES, n * LANES);
+        for sums in partials {
+            for i in 0..m * LANES {
+                for j in 0..n * LANES {
+                    total[(i, j)] += sums[i / LANES * n + j / LANES][i % LANES].0[j % LANES];
+                }
             }
         }
-        Panel { rows: rows.len(), stride, offset: columns.start % LANES, columns: columns.len() }
+        total
     }
 
-    /// A matrix that is a sum over chunks of rows.
-    fn sum_over_chunks(
-        &self,
-        m: usize,
-        n: usize,
-        add: impl Fn(usize, &mut Mat<f64>, &mut [Vec<f64>; 2]) + Sync,
-    ) -> Mat<f64> {
-        let partial = |group: usize| {
-            let (mut sum, mut buffers) = (Mat::zeros(m, n), [Vec::new(), Vec::new()]);
-            let chunks = group * GROUP..((group + 1) * GROUP).min(self.chunks());
-            chunks.for_each(|chunk| add(chunk, &mut sum, &mut buffers));
-            sum
-        };
-        let partials: Vec<Mat<f64>> =
-            (0..self.chunks().div_ceil(GROUP)).into_par_iter().map(partial).collect();
-        let mut sum = Mat::zeros(m, n);
-        partials.iter().for_each(|partial| sum += partial);
-        sum
-    }
-
-    /// `self[:, a]^T other[:, b]`.
-    pub fn gram(&self, a: Range<usize>, other: &Self, b: Range<usize>) -> Mat<f64> {
-        self.sum_over_chunks(a.len(), b.len(), |chunk, sum, [left, right]| {
-            let (p, q) = (self.pack(chunk, &a, left), other.pack(chunk, &b, right));
-            matmul(sum.as_mut(), Accum::Add, p.of(left).transpose(), q.of(right), 1.0, Par::Seq);
-        })
-    }
-
-    /// `self[:, a]^T self[:, a]`, of which the lower triangle is filled.
-    pub fn self_gram(&self, a: Range<usize>) -> Mat<f64> {
-        self.sum_over_chunks(a.len(), a.len(), |chunk, sum, [buffer, _]| {
-            let panel = self.pack(chunk, &a, buffer).of(buffer);
-            add_lower(sum.as_mut(), panel, panel);
-        })
-    }
-
-    /// `V^T V` and `V^T (A V)` for `V = self[:, a]`, of which the lower triangles are filled.
-    /// `image(block, rows, target)` sets target to some rows of A times a block; the images are never
-    /// stored.
-    pub fn gram_and_energy(
-        &self,
-        a: Range<usize>,
-        image: impl Fn(&Block, Range<usize>, &mut [Lanes]) + Sync,
-    ) -> (Mat<f64>, Mat<f64>) {
-        let m = a.len();
-        let both = self.sum_over_chunks(m, 2 * m, |chunk, sum, [buffer, images]| {
-            let (rows, blocks) = (self.rows_of(chunk), a.start / LANES..a.end.div_ceil(LANES));
-            let panel = self.pack(chunk, &a, buffer);
-            images.resize(buffer.len(), 0.0);
-            let mut target = [Lanes([0.0; LANES]); CHUNK];
-            for (b, block) in self.blocks[blocks].iter().enumerate() {
-                image(block, rows.clone(), &mut target[..rows.len()]);
-                for (packed, lanes) in images.chunks_exact_mut(panel.stride).zip(&target) {
-                    packed[b * LANES..(b + 1) * LANES].copy_from_slice(&lanes.0);
+    /// `self -= other[:, blocks] coefficients`.
+    pub fn subtract(&mut self, other: &Self, blocks: Range<usize>, coefficients: MatRef<'_, f64>) {
+        let squares = squares(coefficients, -1.0);
+        let n = self.blocks.len();
+        self.for_each_chunk(|chunk, targets| {
+            let rows = chunk * CHUNK..chunk * CHUNK + targets[0].len();
+            for (i, a) in other.blocks[blocks.clone()].iter().enumerate() {
+                for (j, target) in targets.iter_mut().enumerate() {
+                    add_combination(&a[rows.clone()], &squares[i * n + j], target);
                 }
             }
-            let (gram, energy) = sum.as_mut().split_at_col_mut(m);
-            add_lower(gram, panel.of(buffer), panel.of(buffer));
-            add_lower(energy, panel.of(buffer), panel.of(images));
         });
-        (both.subcols(0, m).to_owned(), both.subcols(m, m).to_owned())
     }
 
-    /// `|A v - theta v|` of all columns from block `first` on, with `image` as in
-    /// [`Tall::gram_and_energy`].
-    pub fn residual_norms(
-        &self,
-        first: usize,
-        theta: &[f64],
-        image: impl Fn(&Block, Range<usize>, &mut [Lanes]) + Sync,
-    ) -> Vec<f64> {
-        let norms = |(b, block): (usize, &Block)| {
-            let from = (first + b) * LANES;
-            let theta: [f64; LANES] = std::array::from_fn(|l| theta.get(from + l).copied().unwrap_or(0.0));
-            let mut total = [0.0; LANES];
-            let mut target = [Lanes([0.0; LANES]); CHUNK];
-            for chunk in 0..self.chunks() {
-                let rows = self.rows_of(chunk);
-                image(block, rows.clone(), &mut target[..rows.len()]);
-                let mut sum = [0.0; LANES];
-                for (x, y) in block[rows].iter().zip(&target) {
-                    (0..LANES).for_each(|l| sum[l] += (y.0[l] - theta[l] * x.0[l]).powi(2));
+    /// `self = self coefficients`, in place; columns beyond those of the coefficients stay.
+    pub fn rotate(&mut self, coefficients: MatRef<'_, f64>) {
+        let squares = squares(coefficients, 1.0);
+        let (m, n) = (coefficients.nrows().div_ceil(LANES), coefficients.ncols().div_ceil(LANES));
+        self.for_each_chunk(|_, blocks| {
+            let length = blocks[0].len();
+            let mut product = vec![Lanes::ZERO; n * length];
+            for (j, target) in product.chunks_exact_mut(length).enumerate() {
+                for (i, a) in blocks[..m].iter().enumerate() {
+                    add_combination(a, &squares[i * n + j], target);
                 }
-                (0..LANES).for_each(|l| total[l] += sum[l]);
             }
-            total.map(f64::sqrt)
-        };
-        let norms: Vec<[f64; LANES]> = self.blocks[first..].par_iter().enumerate().map(norms).collect();
-        norms.as_flattened().to_vec()
+            for (block, values) in blocks.iter_mut().zip(product.chunks_exact(length)) {
+                block.copy_from_slice(values);
+            }
+        });
     }
 
     /// Calls `work` on every chunk of rows of all blocks, in parallel.
     fn for_each_chunk(&mut self, work: impl Fn(usize, &mut [&mut [Lanes]]) + Sync) {
-        let mut chunks: Vec<Vec<&mut [Lanes]>> = (0..self.chunks()).map(|_| Vec::new()).collect();
+        let mut chunks: Vec<Vec<&mut [Lanes]>> = (0..self.rows.div_ceil(CHUNK)).map(|_| Vec::new()).collect();
         for block in &mut self.blocks {
             for (chunk, rows) in chunks.iter_mut().zip(block.chunks_mut(CHUNK)) {
                 chunk.push(rows);
@@ -215,100 +163,85 @@ impl Tall {
         }
         chunks.par_iter_mut().enumerate().for_each(|(chunk, blocks)| work(chunk, blocks));
     }
-
-    /// `self -= other[:, b] coefficients`, over the first columns of `self`.
-    pub fn subtract(&mut self, other: &Self, b: Range<usize>, coefficients: MatRef<'_, f64>) {
-        self.for_each_chunk(|chunk, blocks| {
-            let mut buffer = Vec::new();
-            let panel = other.pack(chunk, &b, &mut buffer);
-            let product = multiply(panel.of(&buffer), coefficients);
-            combine(blocks, 0, coefficients.ncols(), &product, |x, p| *x -= p);
-        });
-    }
-
-    /// `self[:, to..] -= self[:, a] coefficients`; the columns written must not be among those read.
-    pub fn subtract_within(&mut self, a: Range<usize>, coefficients: MatRef<'_, f64>, to: usize) {
-        debug_assert!(a.end <= to || to + coefficients.ncols() <= a.start);
-        self.for_each_chunk(|_, blocks| {
-            let mut buffer = Vec::new();
-            let panel = pack_rows(blocks, &a, &mut buffer);
-            let product = multiply(panel.of(&buffer), coefficients);
-            combine(blocks, to, coefficients.ncols(), &product, |x, p| *x -= p);
-        });
-    }
-
-    /// `self[:, to..] = self[:, a] coefficients`, in place.
-    pub fn rotate(&mut self, a: Range<usize>, coefficients: MatRef<'_, f64>, to: usize) {
-        self.for_each_chunk(|_, blocks| {
-            let mut buffer = Vec::new();
-            let panel = pack_rows(blocks, &a, &mut buffer);
-            let product = multiply(panel.of(&buffer), coefficients);
-            combine(blocks, to, coefficients.ncols(), &product, |x, p| *x = p);
-        });
-    }
 }
 
-/// `sum += a^T b`, lower triangle only.
-fn add_lower(sum: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>) {
-    let (lower, full) = (BlockStructure::TriangularLower, BlockStructure::Rectangular);
-    triangular::matmul(sum, lower, Accum::Add, a.transpose(), full, b, full, 1.0, Par::Seq);
+/// Coefficients as 8 x 8 squares, row by row of squares, filled up with zeros.
+fn squares(coefficients: MatRef<'_, f64>, factor: f64) -> Vec<Square> {
+    let (m, n) = (coefficients.nrows().div_ceil(LANES), coefficients.ncols().div_ceil(LANES));
+    let entry = |i: usize, j: usize| {
+        let inside = i < coefficients.nrows() && j < coefficients.ncols();
+        if inside { factor * coefficients[(i, j)] } else { 0.0 }
+    };
+    let square = |at: usize| -> Square {
+        std::array::from_fn(|i| Lanes(std::array::from_fn(|j| entry(at / n * LANES + i, at % n * LANES + j))))
+    };
+    (0..m * n).map(square).collect()
 }
 
-/// Where packed columns lie in their buffer.
-struct Panel {
-    rows: usize,
-    stride: usize,
-    offset: usize,
-    columns: usize,
+/// `sum += a^T b`.
+fn add_products(a: &[Lanes], b: &[Lanes], sum: &mut Square) {
+    pulp::Arch::new().dispatch(Products { a, b, sum });
 }
 
-impl Panel {
-    fn of<'b>(&self, buffer: &'b [f64]) -> MatRef<'b, f64> {
-        MatRef::from_row_major_slice(&buffer[..self.rows * self.stride], self.rows, self.stride)
-            .subcols(self.offset, self.columns)
-    }
+/// `target += a coefficients`.
+fn add_combination(a: &[Lanes], coefficients: &Square, target: &mut [Lanes]) {
+    pulp::Arch::new().dispatch(Combination { a, coefficients, target });
 }
 
-/// As [`Tall::pack`], of rows that are borrowed for writing.
-fn pack_rows(blocks: &[&mut [Lanes]], columns: &Range<usize>, buffer: &mut Vec<f64>) -> Panel {
-    let (first, last) = (columns.start / LANES, columns.end.div_ceil(LANES));
-    let (rows, stride) = (blocks[0].len(), (last - first) * LANES);
-    buffer.resize(rows * stride, 0.0);
-    for (b, block) in blocks[first..last].iter().enumerate() {
-        for (target, source) in buffer.chunks_exact_mut(stride).zip(block.iter()) {
-            target[b * LANES..(b + 1) * LANES].copy_from_slice(&source.0);
-        }
-    }
-    Panel { rows, stride, offset: columns.start % LANES, columns: columns.len() }
+struct Products<'a> {
+    a: &'a [Lanes],
+    b: &'a [Lanes],
+    sum: &'a mut Square,
 }
 
-/// `panel coefficients`, row by row.
-fn multiply(panel: MatRef<'_, f64>, coefficients: MatRef<'_, f64>) -> Vec<f64> {
-    let (rows, columns) = (panel.nrows(), coefficients.ncols());
-    let mut product = vec![0.0; rows * columns];
-    let result = MatMut::from_row_major_slice_mut(&mut product, rows, columns);
-    matmul(result, Accum::Replace, panel, coefficients, 1.0, Par::Seq);
-    product
-}
+impl WithSimd for Products<'_> {
+    type Output = ();
 
-/// Combines columns `to..to + count` of a chunk with a product of `count` columns.
-fn combine(
-    blocks: &mut [&mut [Lanes]],
-    to: usize,
-    count: usize,
-    product: &[f64],
-    operation: impl Fn(&mut f64, f64),
-) {
-    let mut done = 0;
-    while done < count {
-        let (block, lane) = ((to + done) / LANES, (to + done) % LANES);
-        let width = (LANES - lane).min(count - done);
-        for (target, values) in blocks[block].iter_mut().zip(product.chunks_exact(count)) {
-            for (x, &p) in target.0[lane..lane + width].iter_mut().zip(&values[done..done + width]) {
-                operation(x, p);
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        for part in 0..LANES / S::F64_LANES {
+            let load = |lanes: &Lanes| S::as_simd_f64s(&lanes.0).0[part];
+            let mut sums: [S::f64s; LANES] = std::array::from_fn(|i| load(&self.sum[i]));
+            for (a, b) in self.a.iter().zip(self.b) {
+                let b = load(b);
+                for i in 0..LANES {
+                    sums[i] = simd.mul_add_f64s(simd.splat_f64s(a.0[i]), b, sums[i]);
+                }
+            }
+            for (lanes, sum) in self.sum.iter_mut().zip(sums) {
+                S::as_mut_simd_f64s(&mut lanes.0).0[part] = sum;
             }
         }
-        done += width;
+    }
+}
+
+struct Combination<'a> {
+    a: &'a [Lanes],
+    coefficients: &'a Square,
+    target: &'a mut [Lanes],
+}
+
+impl WithSimd for Combination<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        for part in 0..LANES / S::F64_LANES {
+            let coefficients: [S::f64s; LANES] =
+                std::array::from_fn(|i| S::as_simd_f64s(&self.coefficients[i].0).0[part]);
+            for (a, target) in self.a.iter().zip(self.target.iter_mut()) {
+                let target = &mut S::as_mut_simd_f64s(&mut target.0).0[part];
+                // Two sums, so that one addition need not wait for the other.
+                let mut even = *target;
+                let mut odd = simd.mul_f64s(simd.splat_f64s(a.0[1]), coefficients[1]);
+                even = simd.mul_add_f64s(simd.splat_f64s(a.0[0]), coefficients[0], even);
+                for i in (2..LANES).step_by(2) {
+                    even = simd.mul_add_f64s(simd.splat_f64s(a.0[i]), coefficients[i], even);
+                    odd = simd.mul_add_f64s(simd.splat_f64s(a.0[i + 1]), coefficients[i + 1], odd);
+                }
+                *target = simd.add_f64s(even, odd);
+            }
+        }
     }
 }
 
@@ -319,30 +252,25 @@ pub(crate) fn small_eigen(matrix: &Mat<f64>) -> Option<(Vec<f64>, Mat<f64>)> {
     Some((values, eigen.U().to_owned()))
 }
 
-/// Combinations C of vectors with this Gram matrix (lower triangle), so that the combined vectors are
-/// orthonormal, and the condition of the scaled Gram matrix. Directions that are dependent to rounding
-/// are left out.
-///
-/// Cholesky where it can: it leaves the first vectors, those that have converged, nearly untouched.
-pub(crate) fn orthonormal_combinations(gram: &Mat<f64>) -> Option<(Mat<f64>, f64)> {
+/// Combinations C of vectors with this Gram matrix, so that the combined vectors are orthonormal, and
+/// how many there are: directions that are dependent to rounding are left out.
+pub(crate) fn orthonormal_combinations(gram: &Mat<f64>) -> Option<Mat<f64>> {
     let m = gram.nrows();
     let scale: Vec<f64> = (0..m).map(|i| 1.0 / gram[(i, i)].sqrt().max(f64::MIN_POSITIVE)).collect();
-    let scaled = Mat::from_fn(m, m, |i, j| gram[(i.max(j), i.min(j))] * scale[i] * scale[j]);
+    let scaled = Mat::from_fn(m, m, |i, j| gram[(i, j)] * scale[i] * scale[j]);
     if let Ok(factor) = scaled.llt(faer::Side::Lower) {
         let l = factor.L();
-        let smallest = (0..m).map(|i| l[(i, i)]).fold(1.0, f64::min);
-        if smallest > 1e-6 {
+        if (0..m).all(|i| l[(i, i)] > 1e-6) {
             let mut basis = Mat::<f64>::identity(m, m);
             solve_upper_triangular_in_place(l.transpose(), basis.as_mut(), Par::Seq);
-            return Some((Mat::from_fn(m, m, |i, j| scale[i] * basis[(i, j)]), smallest.powi(-2)));
+            return Some(Mat::from_fn(m, m, |i, j| scale[i] * basis[(i, j)]));
         }
     }
     let (values, vectors) = small_eigen(&scaled)?;
     let largest = values.last().copied().unwrap_or(1.0);
     let first = values.iter().position(|&v| v > 1e-13 * largest).unwrap_or(0);
-    let basis =
-        Mat::from_fn(m, m - first, |i, j| scale[i] * vectors[(i, first + j)] / values[first + j].sqrt());
-    Some((basis, largest / values[first]))
+    let entry = |i: usize, j: usize| scale[i] * vectors[(i, first + j)] / values[first + j].sqrt();
+    Some(Mat::from_fn(m, m - first, entry))
 }
 
 /// A reproducible stream of numbers in (-1, 1) (SplitMix64): starting vectors.
@@ -372,59 +300,38 @@ mod tests {
     #[test]
     fn kernels_agree_with_their_definitions() {
         let n = 9000;
-        let (mut a, mut b) = (noise(n, 21, 3), noise(n, 3, 4));
-        let (whole, lower) = (a.gram(5..19, &a, 5..19), a.self_gram(5..19));
-        assert!((0..14).all(|i| (0..=i).all(|j| (whole[(i, j)] - lower[(i, j)]).abs() < 1e-9)));
-        let gram = a.gram(6..10, &b, 0..3);
-        for i in 0..4 {
-            for j in 0..3 {
-                let direct: f64 = (0..n).map(|v| a.at(v, 6 + i) * b.at(v, j)).sum();
+        let (mut a, mut b) = (noise(n, 32, 3), noise(n, 16, 4));
+        let gram = a.gram(1..4, &b);
+        for i in 0..24 {
+            for j in 0..16 {
+                let direct: f64 = (0..n).map(|v| a.at(v, 8 + i) * b.at(v, j)).sum();
                 assert!((gram[(i, j)] - direct).abs() < 1e-9);
             }
         }
-        let coefficients = Mat::from_fn(4, 3, |i, j| (i + 2 * j) as f64);
-        let product = |a: &Tall, v: usize, j: usize| -> f64 {
-            (0..4).map(|i| a.at(v, 6 + i) * coefficients[(i, j)]).sum()
-        };
+        let coefficients = Mat::from_fn(16, 16, |i, j| (i + 2 * j) as f64);
         let (old, before) = (a.clone(), b.clone());
-        let mut within = a.clone();
-        b.subtract(&a, 6..10, coefficients.as_ref());
-        within.subtract_within(6..10, coefficients.as_ref(), 14);
-        a.rotate(6..10, coefficients.as_ref(), 7);
-        for v in [0, 255, 256, n - 1] {
-            for j in 0..3 {
-                let expected = product(&old, v, j);
-                assert!((before.at(v, j) - expected - b.at(v, j)).abs() < 1e-12);
-                assert!((old.at(v, 14 + j) - expected - within.at(v, 14 + j)).abs() < 1e-12);
-                assert!((a.at(v, 7 + j) - expected).abs() < 1e-12);
+        b.subtract(&a, 1..3, coefficients.as_ref());
+        a.rotate(coefficients.subcols(0, 11));
+        for v in [0, 127, 128, n - 1] {
+            for j in 0..11 {
+                let product =
+                    |first: usize| (0..16).map(|i| old.at(v, first + i) * coefficients[(i, j)]).sum::<f64>();
+                assert!((before.at(v, j) - product(8) - b.at(v, j)).abs() < 1e-11);
+                assert!((a.at(v, j) - product(0)).abs() < 1e-11);
             }
-            assert_eq!(a.at(v, 6), old.at(v, 6));
-            assert_eq!(a.at(v, 10), old.at(v, 10));
+            assert_eq!((a.at(v, 13), a.at(v, 16)), (0.0, old.at(v, 16)));
         }
-        // Against an "operator" that doubles each vector.
-        let double = |x: &Block, rows: Range<usize>, y: &mut [Lanes]| {
-            y.iter_mut().zip(&x[rows]).for_each(|(y, x)| *y = Lanes(x.0.map(|x| 2.0 * x)));
-        };
-        let (same, twice) = old.gram_and_energy(5..19, double);
-        assert!((0..14).all(|i| (0..=i).all(|j| (same[(i, j)] - lower[(i, j)]).abs() < 1e-9)));
-        assert!((0..14).all(|i| (0..=i).all(|j| (twice[(i, j)] - 2.0 * lower[(i, j)]).abs() < 1e-9)));
-        let norm = (0..n).map(|v| old.at(v, 20).powi(2)).sum::<f64>().sqrt();
-        let theta = vec![1.5; 21];
-        assert!((old.residual_norms(1, &theta, double)[12] - 0.5 * norm).abs() < 1e-9);
     }
 
     #[test]
     fn dependent_vectors_are_found() {
-        let mut a = noise(500, 6, 1);
-        a.fill_noise(0..0, &mut Noise(0));
-        let dependent: Vec<f64> = (0..500).map(|v| a.at(v, 0) + a.at(v, 1)).collect();
-        for (row, value) in dependent.iter().enumerate() {
-            a.blocks_mut()[0][row].0[5] = *value;
-        }
-        let (basis, _) = orthonormal_combinations(&a.self_gram(0..6)).unwrap();
-        assert_eq!(basis.ncols(), 5);
-        a.rotate(0..6, basis.as_ref(), 0);
-        let gram = a.self_gram(0..5);
-        assert!((0..5).all(|i| (gram[(i, i)] - 1.0).abs() < 1e-10));
+        let mut a = noise(500, 8, 1);
+        let sums: Vec<f64> = (0..500).map(|v| a.at(v, 0) + a.at(v, 1)).collect();
+        a.blocks_mut()[0].iter_mut().zip(sums).for_each(|(row, sum)| row.0[5] = sum);
+        let basis = orthonormal_combinations(&a.gram(0..1, &a)).unwrap();
+        assert_eq!(basis.ncols(), 7);
+        a.rotate(basis.as_ref());
+        let gram = a.gram(0..1, &a);
+        assert!((0..7).all(|i| (gram[(i, i)] - 1.0).abs() < 1e-10));
     }
 }
