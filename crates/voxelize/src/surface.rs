@@ -10,8 +10,6 @@ use std::collections::HashMap;
 /// Triangles that belong together.
 #[derive(Clone, Debug)]
 pub(crate) struct Body {
-    /// Area, in scaled units.
-    pub area: f64,
     /// Volume enclosed by the body and its caps, in scaled units; negative for a cavity.
     pub volume: f64,
     /// Whether each edge runs as often one way as the other: winding numbers are integers.
@@ -65,7 +63,7 @@ impl<'m> Surface<'m> {
     /// The triangles alone, as one body: for counting crossings without regard to orientation.
     pub fn plain(mesh: &'m TriangleMesh, triangles: Cow<'m, [[u32; 3]]>) -> Self {
         let mut surface = Self::new(mesh, triangles);
-        surface.bodies = vec![Body { area: 0.0, volume: 0.0, closed: true, scattered: false }];
+        surface.bodies = vec![Body { volume: 0.0, closed: true, scattered: false }];
         surface
     }
 
@@ -74,7 +72,7 @@ impl<'m> Surface<'m> {
         let reach = bounds.min.iter().chain(&bounds.max).fold(0.0f64, |m, x| m.max(x.abs()));
         // Products of five coordinates must neither overflow nor vanish.
         let exponent = if reach > 0.0 { reach.log2().floor() } else { 0.0 };
-        let scale = if exponent.abs() > 100.0 { (-exponent).exp2() } else { 1.0 };
+        let scale = if exponent.abs() > 100.0 { (-exponent).clamp(-1000.0, 1000.0).exp2() } else { 1.0 };
         let vertices = if scale == 1.0 {
             Cow::Borrowed(mesh.vertices())
         } else {
@@ -136,16 +134,13 @@ impl<'m> Surface<'m> {
             found = merged.iter().max().map_or(0, |m| m + 1);
             boundary = boundary_sides(analysis, &of);
         }
-        self.bodies = vec![Body { area: 0.0, volume: 0.0, closed: true, scattered: false }; found as usize];
+        self.bodies = vec![Body { volume: 0.0, closed: true, scattered: false }; found as usize];
         self.body_of = of;
         self.cap(boundary);
         let origin = self.vertices.first().copied().unwrap_or_default();
         for t in 0..self.triangles.len() {
             let corners = self.corners(t);
             let body = &mut self.bodies[self.body_of[t] as usize];
-            if t < self.caps {
-                body.area += norm(area_vector(&corners));
-            }
             let [a, b, c] = corners.map(|p| sub(p, origin));
             body.volume += dot(a, cross(b, c)) / 6.0;
         }
