@@ -2,34 +2,42 @@
 use crate::order::NONE;
 use crate::tree::Nodes;
 
+/// What a walk through a tree reads of a node, together in memory.
+#[derive(Clone, Copy)]
+struct Kin {
+    parent: u32,
+    first_child: u32,
+    last_child: u32,
+    next_sibling: u32,
+}
+
 /// Nodes with children before parents and siblings by their smallest vertex; `node_of` gives the node of
 /// each vertex. Linear in time.
 pub(crate) fn postorder(parents: &[u32], node_of: &[u32]) -> Vec<u32> {
     // Climbing from the vertices in ascending order, each time up to what was reached before, a node is
     // first reached from its smallest vertex: siblings are reached in the order wanted.
+    let unknown = Kin { parent: NONE, first_child: NONE, last_child: NONE, next_sibling: NONE };
+    let mut kin: Vec<Kin> = parents.iter().map(|&parent| Kin { parent, ..unknown }).collect();
     let mut reached = vec![false; parents.len()];
-    let mut first_child = vec![NONE; parents.len()];
-    let mut last_child = vec![NONE; parents.len()];
-    let mut next_sibling = vec![NONE; parents.len()];
     let mut roots = Vec::new();
     for &start in node_of {
         let mut node = start;
         while !std::mem::replace(&mut reached[node as usize], true) {
-            let parent = parents[node as usize];
+            let parent = kin[node as usize].parent;
             if parent == NONE {
                 roots.push(node);
                 break;
             }
-            match std::mem::replace(&mut last_child[parent as usize], node) {
-                NONE => first_child[parent as usize] = node,
-                sibling => next_sibling[sibling as usize] = node,
+            match std::mem::replace(&mut kin[parent as usize].last_child, node) {
+                NONE => kin[parent as usize].first_child = node,
+                sibling => kin[sibling as usize].next_sibling = node,
             }
             node = parent;
         }
     }
     let descend = |mut node: u32| {
-        while first_child[node as usize] != NONE {
-            node = first_child[node as usize];
+        while kin[node as usize].first_child != NONE {
+            node = kin[node as usize].first_child;
         }
         node
     };
@@ -41,9 +49,9 @@ pub(crate) fn postorder(parents: &[u32], node_of: &[u32]) -> Vec<u32> {
             if node == root {
                 break;
             }
-            node = match next_sibling[node as usize] {
-                NONE => parents[node as usize],
-                sibling => descend(sibling),
+            node = match kin[node as usize] {
+                Kin { next_sibling: NONE, parent, .. } => parent,
+                Kin { next_sibling, .. } => descend(next_sibling),
             };
         }
     }

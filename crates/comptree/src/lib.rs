@@ -60,7 +60,8 @@ pub use msv::{MsvParameters, maximally_stable_volumes};
 pub use order::{Polarity, Volumes};
 pub use pool::{PoolParameters, PooledRegion, pool};
 pub use stability::{
-    AltitudeScale, Mode, Selection, SelectionReport, StabilityParameters, StableRegion, stable_regions,
+    AltitudeScale, Mode, Selection, SelectionReport, StabilityParameters, StableRegion, stability,
+    stable_regions,
 };
 pub use topology::Stencil;
 pub use tree::{ComponentTree, Siblings};

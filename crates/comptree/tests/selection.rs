@@ -1,7 +1,7 @@
 //! Facts about stable regions.
 use mser3d_comptree::{
     AltitudeScale, ComponentTree, Mode, Polarity, PoolParameters, Selection, StabilityParameters, TreeError,
-    pool, stable_regions,
+    pool, stability, stable_regions,
 };
 use proptest::prelude::*;
 
@@ -117,6 +117,24 @@ fn of_a_plateau_the_largest_node_stands() {
         narrow.regions.iter().map(|r| (r.volume, r.stability)).collect::<Vec<_>>(),
         [(1.0, f64::INFINITY)]
     );
+}
+
+#[test]
+fn regions_have_the_stability_of_their_nodes() {
+    let heights: Vec<f64> =
+        (0..200).map(|i| 2.0 + (f64::from(i) * 0.7).sin() + 0.01 * f64::from(i)).collect();
+    let tree = tree(&heights);
+    for mode in [Mode::Windowed { window: 0.1 }, Mode::Paper] {
+        let parameters = StabilityParameters { mode, ..Default::default() };
+        let of_nodes = stability(&tree, &parameters).unwrap();
+        assert_eq!(of_nodes.len(), tree.len());
+        let selection = stable_regions(&tree, &parameters).unwrap();
+        assert!(!selection.regions.is_empty());
+        assert!(selection.regions.iter().all(|r| r.stability == of_nodes[r.node as usize]));
+        // Eq. 5 has no parent to compare a root with.
+        let root = tree.roots().next().unwrap();
+        assert_eq!(of_nodes[root as usize].is_nan(), mode == Mode::Paper);
+    }
 }
 
 #[test]

@@ -140,53 +140,27 @@ fn steps(parents: &[u32], births: &[f64], joins: &[f64]) -> Vec<Step> {
     steps
 }
 
-/// Enough edges between basins for a minimum spanning forest.
+/// Enough edges between basins for a minimum spanning forest: those that Borůvka's rounds choose, each
+/// round the lowest edge out of every group of basins, and the rest once they are few.
 ///
-/// Where they are few, all of them. Where they are many, as in noise, Borůvka's rounds come first:
-/// each joins every basin by its lowest edge, without storing the others.
+/// The first rounds look through the relief, so that in noise not all edges are in memory at once; the
+/// later ones through a list of those left between groups.
 fn saddles<R: Relief>(relief: &R, basins: &Basins, parts: usize) -> Vec<Saddle> {
-    let labels = &basins.labels[..];
     let count = basins.minima.len();
-    let ranges = relief.split_edges(parts);
-    let most = relief.len() / 2 / ranges.len().max(1) + 1024;
     let mut sets = DisjointSets::new(count);
     let mut group: Vec<u32> = (0..count as u32).collect();
     let mut forest = Vec::new();
+    let mut list: Option<Vec<Saddle>> = None;
     loop {
-        let collect = |range: &Range<usize>| {
-            let mut found = Found::Few(Vec::new());
-            relief.boundary(range.clone(), labels, |v, w, level| {
-                let basins = [v, w].map(|v| labels[v as usize]);
-                let [a, b] = basins.map(|basin| group[basin as usize]);
-                if a == b {
-                    return;
+        let best = match &list {
+            Some(list) => Lowest::of(count, list, &group),
+            None => match scan(relief, &basins.labels, &group, parts) {
+                Found::Many(best) => best,
+                Found::Few(saddles) => {
+                    list = Some(saddles);
+                    continue;
                 }
-                match &mut found {
-                    // Along a row the same two basins often meet again.
-                    Found::Few(saddles) if saddles.last().is_some_and(|last| last.basins == basins) => {
-                        let last = saddles.len() - 1;
-                        saddles[last].level = saddles[last].level.min(level);
-                    }
-                    Found::Few(saddles) if saddles.len() < most => saddles.push(Saddle { level, basins }),
-                    Found::Few(saddles) => {
-                        let mut best = Lowest::of(count, std::mem::take(saddles), &group);
-                        Lowest::take(&mut best, [a, b], Lowest { level, basins });
-                        found = Found::Many(best);
-                    }
-                    Found::Many(best) => Lowest::take(best, [a, b], Lowest { level, basins }),
-                }
-            });
-            found
-        };
-        let found: Vec<Found> = ranges.par_iter().map(collect).collect();
-        let best = found.into_iter().reduce(|a, b| a.join(b, count, &group));
-        let best = match best {
-            None => return forest,
-            Some(Found::Few(saddles)) => {
-                forest.extend(saddles);
-                return forest;
-            }
-            Some(Found::Many(best)) => best,
+            },
         };
         for Lowest { level, basins } in best.into_iter().filter(|edge| edge.basins[0] != NONE) {
             if sets.union(basins[0], basins[1]).is_some() {
@@ -196,7 +170,48 @@ fn saddles<R: Relief>(relief: &R, basins: &Basins, parts: usize) -> Vec<Saddle> 
         for (basin, group) in group.iter_mut().enumerate() {
             *group = sets.find(basin as u32);
         }
+        if let Some(list) = &mut list {
+            list.retain(|saddle| group[saddle.basins[0] as usize] != group[saddle.basins[1] as usize]);
+            // A round costs as much as sorting a few edges for each basin.
+            if list.len() <= count {
+                forest.append(list);
+                return forest;
+            }
+        }
     }
+}
+
+/// The edges between groups of basins, or the lowest of each group if they are too many to list.
+fn scan<R: Relief>(relief: &R, labels: &[u32], group: &[u32], parts: usize) -> Found {
+    let ranges = relief.split_edges(parts);
+    let most = 3 * relief.len() / 2 / ranges.len().max(1) + 1024;
+    let collect = |range: &Range<usize>| {
+        let mut found = Found::Few(Vec::new());
+        relief.boundary(range.clone(), labels, |v, w, level| {
+            let basins = [v, w].map(|v| labels[v as usize]);
+            let [a, b] = basins.map(|basin| group[basin as usize]);
+            if a == b {
+                return;
+            }
+            match &mut found {
+                // Along a row the same two basins often meet again.
+                Found::Few(saddles) if saddles.last().is_some_and(|last| last.basins == basins) => {
+                    let last = saddles.len() - 1;
+                    saddles[last].level = saddles[last].level.min(level);
+                }
+                Found::Few(saddles) if saddles.len() < most => saddles.push(Saddle { level, basins }),
+                Found::Few(saddles) => {
+                    let mut best = Lowest::of(group.len(), saddles, group);
+                    Lowest::take(&mut best, [a, b], Lowest { level, basins });
+                    found = Found::Many(best);
+                }
+                Found::Many(best) => Lowest::take(best, [a, b], Lowest { level, basins }),
+            }
+        });
+        found
+    };
+    let found: Vec<Found> = ranges.par_iter().map(collect).collect();
+    found.into_iter().reduce(|a, b| a.join(b, group)).unwrap_or(Found::Few(Vec::new()))
 }
 
 /// The edges between groups of basins that one range of edges holds.
@@ -208,14 +223,14 @@ enum Found {
 }
 
 impl Found {
-    fn join(self, other: Self, count: usize, group: &[u32]) -> Self {
+    fn join(self, other: Self, group: &[u32]) -> Self {
         match (self, other) {
             (Self::Few(mut a), Self::Few(b)) => {
                 a.extend(b);
                 Self::Few(a)
             }
             (Self::Few(few), Self::Many(many)) | (Self::Many(many), Self::Few(few)) => {
-                Self::Many(many).join(Self::Many(Lowest::of(count, few, group)), count, group)
+                Self::Many(many).join(Self::Many(Lowest::of(group.len(), &few, group)), group)
             }
             (Self::Many(mut a), Self::Many(b)) => {
                 a.iter_mut().zip(b).for_each(|(a, b)| a.keep_lower(b));
@@ -236,9 +251,9 @@ struct Lowest {
 impl Lowest {
     const NONE: Self = Self { level: f64::INFINITY, basins: [NONE; 2] };
 
-    fn of(count: usize, saddles: Vec<Saddle>, group: &[u32]) -> Vec<Self> {
+    fn of(count: usize, saddles: &[Saddle], group: &[u32]) -> Vec<Self> {
         let mut best = vec![Self::NONE; count];
-        for Saddle { level, basins } in saddles {
+        for &Saddle { level, basins } in saddles {
             Self::take(&mut best, basins.map(|basin| group[basin as usize]), Self { level, basins });
         }
         best

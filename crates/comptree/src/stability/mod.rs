@@ -105,6 +105,25 @@ pub fn stable_regions(
     Ok(Selection { regions, report })
 }
 
+/// The stability of every node: `1 / instability` on the branches of the windowed mode, eq. 5 for
+/// [`Mode::Paper`]. NaN where it is not measured: below half of the minimum volume, and for
+/// [`Mode::Baseline`].
+///
+/// # Errors
+/// [`TreeError::BadParameter`] from [`StabilityParameters::validate`].
+pub fn stability(tree: &ComponentTree, parameters: &StabilityParameters) -> Result<Vec<f64>, TreeError> {
+    parameters.validate()?;
+    let total = parameters.total_volume.unwrap_or_else(|| tree.total_volume());
+    let levels = Levels { tree, scale: parameters.scale };
+    Ok(match parameters.mode {
+        Mode::Windowed { window } => {
+            windowed::stability(&levels, window, parameters.min_volume_fraction * total)
+        }
+        Mode::Paper => (0..tree.len() as u32).map(|node| pointwise::stability(&levels, node)).collect(),
+        Mode::Baseline => vec![f64::NAN; tree.len()],
+    })
+}
+
 /// Drops each candidate whose nearest surviving ancestor is nearly as large, and orders the rest.
 fn diverse(tree: &ComponentTree, candidates: Vec<Candidate>, min_diversity: f64) -> Vec<StableRegion> {
     nest(tree, candidates, |volume, larger| volume > (1.0 - min_diversity) * larger)

@@ -7,7 +7,9 @@ use crate::ComponentTree;
 /// Of neighbours that tie, all maxima, the largest stands.
 pub(super) fn maxima(levels: &Levels<'_>) -> Vec<Candidate> {
     let tree = levels.tree;
-    let stability: Vec<f64> = (0..tree.len() as u32).map(|node| stability(levels, node)).collect();
+    // Roots are not measured; nothing may lose against them.
+    let measured = |node| Some(stability(levels, node)).filter(|s| !s.is_nan()).unwrap_or(f64::NEG_INFINITY);
+    let stability: Vec<f64> = (0..tree.len() as u32).map(measured).collect();
     let mut best_child = vec![f64::NEG_INFINITY; tree.len()];
     for node in 0..tree.len() as u32 {
         if let Some(parent) = tree.parent(node) {
@@ -34,11 +36,11 @@ pub(super) fn maxima(levels: &Levels<'_>) -> Vec<Candidate> {
         .collect()
 }
 
-/// `vol (l' - l) / (vol' - vol)` with the parent's l' and vol'.
-fn stability(levels: &Levels<'_>, node: u32) -> f64 {
+/// `vol (l' - l) / (vol' - vol)` with the parent's l' and vol'; NaN for a root.
+pub(super) fn stability(levels: &Levels<'_>, node: u32) -> f64 {
     let tree = levels.tree;
     match tree.parent(node) {
-        None => f64::NEG_INFINITY,
+        None => f64::NAN,
         Some(parent) => {
             let volume = tree.volume(node);
             let growth = tree.volume(parent) - volume;

@@ -32,6 +32,17 @@ pub(super) fn maxima(levels: &Levels<'_>, window: f64, smallest: f64) -> Vec<Can
     candidates
 }
 
+/// The stability of every node on a branch, NaN of the others.
+pub(super) fn stability(levels: &Levels<'_>, window: f64, smallest: f64) -> Vec<f64> {
+    let mut stability = vec![f64::NAN; levels.tree.len()];
+    branches::for_each(levels, smallest, |branch| {
+        for (&node, instability) in branch.nodes.iter().zip(instability(branch, window)) {
+            stability[node as usize] = 1.0 / instability;
+        }
+    });
+    stability
+}
+
 /// `(d vol / d l) / vol` of each node, the derivative taken over the clipped window.
 fn instability(branch: &Branch, window: f64) -> Vec<f64> {
     let Branch { levels, volumes, end, .. } = branch;
