@@ -1,4 +1,4 @@
-//! Real shapes, when they are there.
+//! Figures whose limbs come close, and real shapes, when they are there.
 
 mod common;
 
@@ -23,4 +23,55 @@ fn bodies_in_all_poses_are_one_solid_with_few_cut_links() {
         assert!(solid.dropped_voxels < 450, "{name}");
         assert_eq!(solid.confidence, 1.0);
     }
+}
+
+/// The figure whose hand comes within 3 mm of its thigh: no link leads from what is hand to what is thigh at
+/// rest, at any pitch and rotation; without cut links some do.
+#[test]
+fn a_hand_at_a_thigh_is_not_linked_to_it() {
+    let (rest, pose) = (fixture("human_rest.off"), fixture("human_touch.off"));
+    let height = rest.bounding_box().unwrap().extent().into_iter().fold(0.0, f64::max);
+    let mut glued = 0;
+    for (count, angle) in [(9_000, 0.0), (12_000, 0.3), (14_000, 0.5), (17_000, 0.9), (20_000, 1.2)] {
+        let mesh = moved(&pose, rotation([1.0, 2.0, 3.0], angle));
+        let bvh = Bvh::new(&mesh);
+        for cut_links in [true, false] {
+            let parameters =
+                VoxelizeParameters { pitch: Pitch::Voxels(count), cut_links, ..Default::default() };
+            let grid = voxelize(&mesh, &parameters).unwrap().grid;
+            // Where the nearest triangle of the surface is at rest.
+            let at_rest: Vec<Vec3> = grid
+                .voxels()
+                .map(|v| rest.corners(bvh.nearest(grid.frame().centre(v)).unwrap().triangle as usize)[0])
+                .collect();
+            let far = |[u, v]: [u32; 2]| {
+                let (p, q) = (at_rest[u as usize], at_rest[v as usize]);
+                // Farther apart than the two sides of the trunk.
+                (0..3).map(|a| (p[a] - q[a]).powi(2)).sum::<f64>().sqrt() > 0.25 * height
+            };
+            let far = (0..3).flat_map(|axis| grid.linked_pairs(axis)).filter(|&pair| far(pair)).count();
+            if cut_links {
+                assert_eq!(far, 0, "{count} voxels, turned by {angle}");
+            }
+            glued += far;
+        }
+    }
+    assert!(glued > 0);
+}
+
+/// The figure whose hand presses 19 mm into its thigh: what both cover is left out, or kept when joined.
+#[test]
+fn a_hand_in_a_thigh_leaves_out_what_both_cover() {
+    let mesh = fixture("human_press.off");
+    let tree = WindingTree::new(&mesh);
+    let windings = |overlap: Overlap| -> Vec<f64> {
+        let parameters = VoxelizeParameters { overlap, ..Default::default() };
+        let solid = voxelize(&mesh, &parameters).unwrap();
+        assert!(solid.overlap_volume > 1e-6 && solid.overlap_volume < 1e-3);
+        let grid = &solid.grid;
+        grid.voxels().map(|v| tree.winding_number(grid.frame().centre(v))).collect()
+    };
+    assert!(windings(Overlap::Auto).iter().all(|w| (w - 1.0).abs() < 0.02));
+    let twice = windings(Overlap::Join).iter().filter(|w| (*w - 2.0).abs() < 0.02).count();
+    assert!(twice > 50, "{twice}");
 }

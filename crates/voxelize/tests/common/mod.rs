@@ -134,6 +134,12 @@ pub fn real_shapes() -> Vec<(String, TriangleMesh)> {
         .collect()
 }
 
+/// A shape of the project's own.
+pub fn fixture(name: &str) -> TriangleMesh {
+    let path = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures")).join(name);
+    read_off(&std::fs::read_to_string(path).unwrap())
+}
+
 fn read_off(text: &str) -> TriangleMesh {
     let mut words = text.split_whitespace().skip(1);
     let counts: Vec<usize> = (0..3).map(|_| words.next().unwrap().parse().unwrap()).collect();
