@@ -143,8 +143,10 @@ impl Session<'_> {
         let (left, top, width, height) = (side("left")?, side("top")?, side("width")?, side("height")?);
         let width = width / shapes as f64;
         let half = bounds.extent().map(|x| 0.5 * x);
-        // As the page fits a shape seen from the front.
-        let scale = 0.92 * (height / 2.0 / half[1]).min(width / 2.0 / half[0].hypot(half[2]));
+        // As the page fits a shape.
+        let wide = half[0].hypot(half[2]);
+        let tall = 0.98 * half[1] + 0.21 * wide;
+        let scale = 0.92 * (height / 2.0 / tall).min(width / 2.0 / wide);
         let x = left + width * (s as f64 + 0.5) + scale * (point[0] - middle[0]);
         let y = top + height / 2.0 - scale * (point[1] - middle[1]);
         Ok(([x, y], labels[vertex as usize] as usize))

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use mser3d_meshio::write_atomically;
 use mser3d_results::Results;
-use mser3d_viewer::{Cut, Panel, RenderOptions, Up, View, render};
+use mser3d_viewer::{Panel, RenderOptions, Up, View, render};
 
 use crate::error::CliError;
 
@@ -25,7 +25,7 @@ pub struct RenderArgs {
     /// Views beside each other before a new row begins; 0: all in one row
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub columns: usize,
-    /// Axis that the cut of inside and voxels runs across [default: front to back]
+    /// Axis that the cut of inside and voxels runs across [default: the shorter horizontal one]
     #[arg(long, value_enum, value_name = "AXIS")]
     pub cut_axis: Option<Axis>,
     /// Where it cuts: 0 leaves nothing, 1 all
@@ -107,7 +107,7 @@ pub fn run(args: &RenderArgs) -> Result<(), CliError> {
     if !solid && shots.iter().any(|s| [Shot::Inside, Shot::Voxels].contains(s)) {
         return Err(CliError::Usage("--views inside and voxels need a volume, and this is a surface".into()));
     }
-    let cut = cut(args, &results);
+    let cut = results.cut(args.cut_axis.map(|axis| axis as usize), args.cut_at, args.up.into());
     let surface = results.model()?;
     let mut open = None;
     let mut voxels = None;
@@ -133,14 +133,4 @@ pub fn run(args: &RenderArgs) -> Result<(), CliError> {
     picture.write_png(&mut png).map_err(mser3d_results::ResultsError::from)?;
     write_atomically(&args.output, |out| std::io::Write::write_all(out, &png))?;
     Ok(())
-}
-
-fn cut(args: &RenderArgs, results: &Results) -> Option<Cut> {
-    let bounds = results.mesh.bounding_box()?;
-    Some(match (args.cut_axis, args.up) {
-        (Some(axis), _) => Cut::across(&bounds, axis as usize, args.cut_at),
-        (None, UpAxis::Y) => Cut::across(&bounds, 2, args.cut_at),
-        // With z up, the front looks along -y.
-        (None, UpAxis::Z) => Cut::across(&bounds, 1, 1.0 - args.cut_at).flipped(),
-    })
 }

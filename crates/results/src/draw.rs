@@ -50,12 +50,23 @@ impl Results {
         Ok(Some(Model::from_voxels(grid, &voxels, cut)?))
     }
 
-    /// The plane that halves the shape and shows its front opened: across its depth.
-    pub fn middle_cut(&self, up: Up) -> Option<Cut> {
+    /// A plane that opens the shape towards a viewer before it: across an axis (0 to 2), by default
+    /// the shorter horizontal one, leaving a share of the extent, 0 to 1.
+    pub fn cut(&self, axis: Option<usize>, kept: f64, up: Up) -> Option<Cut> {
         let bounds = self.mesh.bounding_box()?;
-        Some(match up {
-            Up::Y => Cut::across(&bounds, 2, 0.5),
-            Up::Z => Cut::across(&bounds, 1, 0.5).flipped(),
+        let depth = match up {
+            Up::Y => 2,
+            Up::Z => 1,
+        };
+        let extent = bounds.extent();
+        let shorter = if extent[0] < extent[depth] { 0 } else { depth };
+        let axis = axis.unwrap_or(shorter);
+        // With z up, the front looks along -y.
+        let towards_viewer = up == Up::Y || axis != 1;
+        Some(if towards_viewer {
+            Cut::across(&bounds, axis, kept)
+        } else {
+            Cut::across(&bounds, axis, 1.0 - kept).flipped()
         })
     }
 
@@ -66,7 +77,7 @@ impl Results {
     pub fn sheet(&self, options: &RenderOptions) -> Result<Image, ResultsError> {
         let model = self.model()?;
         let mut panels = Panel::around(&model);
-        let cut = self.middle_cut(options.up).filter(|_| self.grid.is_some());
+        let cut = self.cut(None, 0.5, options.up).filter(|_| self.grid.is_some());
         let inside = cut.map(|cut| self.section(&cut)).transpose()?;
         if let Some(model) = &inside {
             panels.push(Panel { model, view: View::THREE_QUARTER, caption: "inside".to_owned() });

@@ -197,3 +197,14 @@ fn features_of_another_mesh_are_refused() {
     let error = Results::new(&features, Some(&other), PATH).unwrap_err();
     assert!(error.to_string().starts_with("the mesh has 1417 vertices, but the features"), "{error}");
 }
+
+#[test]
+fn a_cut_opens_the_side_that_the_viewer_sees() {
+    // The dumbbell lies along x, from -3 to 3; y and z span -1 to 1.
+    let cut = |axis, kept, up| VOLUME.cut(axis, kept, up).unwrap();
+    assert_eq!(cut(None, 0.5, Up::Y).normal, [0.0, 0.0, 1.0]);
+    assert_eq!(cut(None, 0.5, Up::Z).normal, [0.0, -1.0, 0.0]);
+    let (front, side) = (cut(None, 0.75, Up::Z), cut(Some(0), 0.75, Up::Z));
+    assert!((front.offset - 0.5).abs() < 0.02, "{front:?}");
+    assert_eq!((side.normal, side.offset), ([1.0, 0.0, 0.0], 1.5));
+}

@@ -17,8 +17,10 @@ class Renderer {
     const half = (shape, a) => (shape.high[a] - shape.low[a]) / 2;
     const [u, v, w] = data.up === "z" ? [2, 0, 1] : [1, 0, 2];
     const least = 1e-3 * this.radius;
-    this.tall = Math.max(least, ...data.shapes.map((shape) => half(shape, u)));
-    this.wide = Math.max(least, ...data.shapes.map((shape) => Math.hypot(half(shape, v), half(shape, w))));
+    const wide = (shape) => Math.hypot(half(shape, v), half(shape, w));
+    this.wide = Math.max(least, ...data.shapes.map(wide));
+    // Seen from a little above (12 degrees), depth takes room upright too.
+    this.tall = Math.max(least, ...data.shapes.map((shape) => 0.98 * half(shape, u) + 0.21 * wide(shape)));
     this.resize();
   }
 
