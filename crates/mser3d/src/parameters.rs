@@ -105,6 +105,12 @@ impl Parameters {
         if self.weight.has_time_scale() && self.time_scales.is_empty() {
             return bad("time_scales", "is empty; give at least one time scale, such as 0.5");
         }
+        if self.stability.min_volume_fraction > self.stability.max_volume_fraction {
+            return bad(
+                "min_volume_fraction",
+                "must not be above max_volume_fraction: no region has such a size",
+            );
+        }
         for scale in &self.time_scales {
             scale.with_unit(1.0)?;
         }
