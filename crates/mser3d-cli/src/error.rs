@@ -2,6 +2,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use mser3d::voxelize::VoxelizeError;
+use mser3d_collection::CollectionError;
 use mser3d_results::ResultsError;
 use mser3d_viewer::ViewerError;
 
@@ -14,7 +15,7 @@ pub enum CliError {
     #[error(transparent)]
     File(#[from] mser3d_meshio::MeshIoError),
     #[error(transparent)]
-    Collection(#[from] mser3d_collection::CollectionError),
+    Collection(#[from] CollectionError),
     #[error(transparent)]
     Results(#[from] mser3d_results::ResultsError),
     #[error("{}: {source}{}", path.display(), advice(source))]
@@ -45,6 +46,7 @@ impl CliError {
         let wrong_use = match self {
             Self::Usage(_) => true,
             Self::Results(error) => wrong_option(error),
+            Self::Collection(error) => matches!(error, CollectionError::BadParameter { .. }),
             _ => false,
         };
         ExitCode::from(if wrong_use { 2 } else { 1 })

@@ -211,6 +211,7 @@ fn regions_of_two_poses_match_up_to_symmetry() {
     assert_eq!(csv.lines().count(), matches.len() + 1);
     assert!(fs::read(folder.path().join("matches/matches.png")).unwrap().starts_with(b"\x89PNG"));
     assert_eq!(fs::read(folder.path().join("matches/matches.json")).unwrap(), output.stdout);
+    assert_fails(&matched(&["--overlap", "1.5"]), 2, &["overlap is 1.5", "at most 1"]);
     // One to one, no partner is taken twice.
     let output = matched(&["--json", "--rule", "one-to-one"]);
     let result: Value = serde_json::from_slice(&output.stdout).unwrap();
