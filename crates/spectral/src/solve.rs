@@ -38,7 +38,8 @@ pub fn smallest_eigenpairs(
     }
     let zeros = problem.null_space.len().min(k);
     let wanted = k - zeros;
-    if n <= DENSE_ROWS || k + 8 * BLOCK > n {
+    let capacity = lanczos_capacity((COLUMNS_PER_PAIR * wanted as f64) as usize);
+    if n <= DENSE_ROWS || capacity + 2 * BLOCK > n - problem.null_space.len() {
         check_memory(parameters, n, 3 * n * n)?;
         let (values, vectors) = dense_eigenpairs(&problem)?;
         return finish(operator, &problem, parameters, "dense", values, vectors, (0, 0), k);
@@ -47,7 +48,6 @@ pub fn smallest_eigenpairs(
         let none = Tall::zeros(n, 1);
         return finish(operator, &problem, parameters, "shift-invert Lanczos", vec![], none, (0, 0), k);
     }
-    let capacity = lanczos_capacity(&problem, (COLUMNS_PER_PAIR * wanted as f64) as usize);
     check_memory(parameters, n, n * (capacity + 5 * BLOCK + k) + 60 * n)?;
     let (restarts, tolerance) = (parameters.max_iterations, parameters.tolerance);
     let (values, ritz) = inverse_lanczos(&problem, wanted, capacity, restarts, tolerance, progress)?;
@@ -75,17 +75,18 @@ pub fn smallest_eigenpairs_of_grid(
     }
     let filter = match parameters.solver {
         Eigensolver::Auto => coarse_factor(n, k).is_some(),
-        Eigensolver::Filter => basis_columns(k) + 8 * BLOCK < n,
+        Eigensolver::Filter => basis_columns(k) + 2 * BLOCK < n / 8,
         Eigensolver::ShiftInvert => false,
     };
-    if !filter {
+    // Zero modes alone need no iteration; how many there are, the operator tells.
+    if !filter || k <= grid.components().len() {
         return smallest_eigenpairs(&grid_laplacian(grid), parameters, progress);
     }
     check_memory(parameters, n, n * filter_columns(k) + 8 * n)?;
     let found = filtered_eigenpairs(grid, parameters, progress)?;
     let zero_modes = found.null_space.len().min(k);
     let wanted = k - zero_modes;
-    let residual = check_residuals(&found.residuals, zero_modes, parameters, found.restarts)?;
+    let residual = check_residuals(&found.values, &found.residuals, found.bound, parameters, found.restarts)?;
     let report = SpectrumReport {
         solver: "filtered Lanczos",
         iterations: found.restarts,
@@ -130,11 +131,12 @@ fn ascending(values: &[f64]) -> Vec<usize> {
 pub(crate) fn coarse_eigenvalues(operator: &Operator, wanted: usize) -> Result<Vec<f64>, SpectralError> {
     let problem = StandardProblem::new(operator);
     let wanted = wanted.min(problem.len() - problem.null_space.len());
-    let mut values = if problem.len() <= DENSE_ROWS || wanted + 8 * BLOCK > problem.len() {
+    // One sweep without restarts: a cut-off need not be exact.
+    let capacity = lanczos_capacity(3 * wanted / 2);
+    let rows = problem.len() - problem.null_space.len();
+    let mut values = if problem.len() <= DENSE_ROWS || capacity + 2 * BLOCK > rows {
         dense_eigenpairs(&problem)?.0
     } else {
-        // One sweep without restarts: a cut-off need not be exact.
-        let capacity = lanczos_capacity(&problem, 3 * wanted / 2);
         inverse_lanczos(&problem, wanted, capacity, 0, 1e-2, &|_| ControlFlow::Continue(()))?.0
     };
     values.truncate(wanted);
@@ -145,8 +147,8 @@ pub(crate) fn coarse_eigenvalues(operator: &Operator, wanted: usize) -> Result<V
 const COLUMNS_PER_PAIR: f64 = 2.5;
 
 /// Columns of the basis, a multiple of the block's.
-fn lanczos_capacity(problem: &StandardProblem, columns: usize) -> usize {
-    (columns + 4 * BLOCK).min(problem.len() - problem.null_space.len()) / BLOCK * BLOCK
+fn lanczos_capacity(columns: usize) -> usize {
+    (columns + 4 * BLOCK) / BLOCK * BLOCK
 }
 
 /// Eigenvalues, ascending, and Ritz vectors by Lanczos on the inverse.
@@ -182,7 +184,8 @@ fn inverse_lanczos(
     let mut ritz = lanczos.run(|x| inverse.apply(x), accept, report)?;
     let values: Vec<f64> = ritz.values.iter().map(|theta| (1.0 / theta - sigma).max(0.0)).collect();
     let residuals = Quality::measure(problem, &values[..wanted], &ritz.vectors).residuals;
-    if residuals.iter().any(|&r| r > tolerance) {
+    let bound = problem.bound();
+    if residuals.iter().zip(&values).any(|(&r, &value)| r > attainable(tolerance, bound, value)) {
         ritz.vectors = smoothed(ritz.vectors, &ritz.values[..wanted], &inverse);
     }
     Ok((values, ritz))
@@ -196,12 +199,17 @@ fn inverse_lanczos(
 /// by the square of the residuals.
 fn smoothed(mut vectors: Tall, theta: &[f64], inverse: &Inverse) -> Tall {
     inverse.apply(&mut vectors);
+    rescale(&mut vectors, theta);
+    vectors
+}
+
+/// Divides each column by its Ritz value.
+pub(crate) fn rescale(vectors: &mut Tall, theta: &[f64]) {
     vectors.blocks_mut().iter_mut().zip(theta.chunks(LANES)).for_each(|(block, theta)| {
         for row in block {
             theta.iter().zip(&mut row.0).for_each(|(theta, x)| *x /= theta);
         }
     });
-    vectors
 }
 
 /// Measures residuals and orthogonality of the pairs, and makes the eigenbasis if they will do.
@@ -219,7 +227,8 @@ fn finish(
     let zero_modes = problem.null_space.len().min(k);
     let wanted = k - zero_modes;
     let quality = Quality::measure(problem, &values[..wanted], &vectors);
-    let residual = check_residuals(&quality.residuals, zero_modes, parameters, iterations)?;
+    let residual =
+        check_residuals(&values[..wanted], &quality.residuals, problem.bound(), parameters, iterations)?;
     let report = SpectrumReport {
         solver,
         iterations,
@@ -257,20 +266,30 @@ impl Quality {
     }
 }
 
-/// The largest residual, if all are below the tolerance.
+/// The relative residual to reach at an eigenvalue: the tolerance, or what rounding allows. An operator
+/// of norm `bound` is applied with an error of a few units in the last place of `bound`, which is much of a
+/// small eigenvalue on long thin shapes and on meshes of very uneven triangles.
+pub(crate) fn attainable(tolerance: f64, bound: f64, eigenvalue: f64) -> f64 {
+    tolerance.max(16.0 * f64::EPSILON * bound / eigenvalue)
+}
+
+/// The largest residual, if all are below what is attainable.
 fn check_residuals(
+    values: &[f64],
     residuals: &[f64],
-    zero_modes: usize,
+    bound: f64,
     parameters: &SpectrumParameters,
     restarts: usize,
 ) -> Result<f64, SpectralError> {
     let residual = residuals.iter().copied().fold(0.0, f64::max);
-    if residual <= parameters.tolerance {
+    let good =
+        |&(&value, &residual): &(&f64, &f64)| residual <= attainable(parameters.tolerance, bound, value);
+    let converged = values.iter().zip(residuals).filter(good).count();
+    if converged == residuals.len() {
         return Ok(residual);
     }
-    let converged = residuals.iter().filter(|&&r| r <= parameters.tolerance).count();
     Err(SpectralError::NotConverged {
-        converged: zero_modes + converged,
+        converged: parameters.eigenpairs - residuals.len() + converged,
         wanted: parameters.eigenpairs,
         restarts,
         residual,

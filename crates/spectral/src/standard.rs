@@ -54,6 +54,13 @@ impl StandardProblem {
         self.active.len()
     }
 
+    /// An upper bound of the spectrum (Gershgorin).
+    pub fn bound(&self) -> f64 {
+        let row =
+            |row: usize| self.values[self.starts[row]..self.starts[row + 1]].iter().map(|v| v.abs()).sum();
+        (0..self.len()).map(row).fold(0.0, f64::max)
+    }
+
     /// `y = A x`.
     pub fn apply(&self, x: &Block, y: &mut Block) {
         for (row, target) in y.iter_mut().enumerate() {
@@ -162,10 +169,7 @@ pub(crate) fn dense_eigenpairs(problem: &StandardProblem) -> Result<(Vec<f64>, T
         }
     }
     // Lift the null space above everything else, so that it cannot mix with small eigenvalues.
-    let bound = (0..n).map(|row| {
-        problem.values[problem.starts[row]..problem.starts[row + 1]].iter().map(|v| v.abs()).sum::<f64>()
-    });
-    let lift = 2.0 * bound.fold(0.0, f64::max).max(f64::MIN_POSITIVE);
+    let lift = 2.0 * problem.bound().max(f64::MIN_POSITIVE);
     let null = &problem.null_space;
     for i in 0..n {
         for j in 0..n {

@@ -247,8 +247,11 @@ impl WithSimd for Combination<'_> {
 
 /// Eigenvalues, ascending, and eigenvectors of a small symmetric matrix (its lower triangle is read).
 pub(crate) fn small_eigen(matrix: &Mat<f64>) -> Option<(Vec<f64>, Mat<f64>)> {
-    let eigen = matrix.self_adjoint_eigen(faer::Side::Lower).ok()?;
-    let values = (0..matrix.nrows()).map(|i| eigen.S()[i]).collect();
+    // The dense solver has thresholds that are not relative: give it entries of order one.
+    let largest = (0..matrix.nrows()).map(|i| matrix[(i, i)].abs()).fold(f64::MIN_POSITIVE, f64::max);
+    let scaled = Mat::from_fn(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)] / largest);
+    let eigen = scaled.self_adjoint_eigen(faer::Side::Lower).ok()?;
+    let values = (0..matrix.nrows()).map(|i| eigen.S()[i] * largest).collect();
     Some((values, eigen.U().to_owned()))
 }
 
