@@ -113,6 +113,25 @@ impl Operator {
         &self.mass
     }
 
+    /// The operator on some rows, ascending, that are not linked to any others: one or more whole components.
+    pub fn restrict(&self, rows: &[u32]) -> Self {
+        let mut position = vec![usize::MAX; self.len()];
+        rows.iter().enumerate().for_each(|(at, &row)| position[row as usize] = at);
+        let (mut starts, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
+        for &row in rows {
+            for (column, &value) in self.stiffness.outer_view(row as usize).iter().flat_map(|v| v.iter()) {
+                if position[column] != usize::MAX {
+                    columns.push(position[column]);
+                    values.push(value);
+                }
+            }
+            starts.push(columns.len());
+        }
+        let n = rows.len();
+        let mass = rows.iter().map(|&row| self.mass[row as usize]).collect();
+        Self { domain: self.domain, stiffness: CsMat::new_csc((n, n), starts, columns, values), mass }
+    }
+
     /// The connected components of the rows; their number is the number of zero eigenvalues, rows
     /// without mass apart.
     pub fn components(&self) -> Components {

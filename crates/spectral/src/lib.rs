@@ -12,8 +12,8 @@
 //! instead: [`SpectrumReport::residual`] tells. Zero modes are exactly constant on each component, one for
 //! each. The same input gives the same bits on any number of threads.
 //!
-//! Limits: a block of 16 vectors sees 16 copies of a multiple eigenvalue. Connected shapes have fewer (a
-//! cube 6); but of many equal bodies side by side some copies can be missed. Solve such bodies one by one.
+//! Disconnected bodies are solved one by one, so equal bodies cost no eigenvalue. Limit: a block of 16
+//! vectors sees 16 copies of a multiple eigenvalue of one body; a cube's have up to 6.
 //!
 //! ```
 //! use std::ops::ControlFlow;
@@ -37,6 +37,7 @@ mod error;
 mod filter;
 mod lanczos;
 mod parameters;
+mod parts;
 mod shift_invert;
 mod solve;
 mod standard;

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use crate::filter::{basis_columns, coarse_factor, filtered_eigenpairs};
 use crate::lanczos::{BLOCK, Lanczos, RitzPairs};
+use crate::parts::{members, merge};
 use crate::shift_invert::Inverse;
 use crate::standard::{StandardProblem, dense_eigenpairs};
 use crate::tall::{LANES, Tall};
@@ -31,11 +32,28 @@ pub fn smallest_eigenpairs(
     progress: &(dyn Fn(usize) -> ControlFlow<()> + Sync),
 ) -> Result<Spectrum, SpectralError> {
     parameters.validate()?;
+    let bodies = members(&operator.components(), |row| operator.mass()[row] > 0.0);
+    let (available, k) = (bodies.iter().map(Vec::len).sum(), parameters.eigenpairs);
+    if k > available {
+        return Err(SpectralError::TooManyEigenpairs { requested: k, available });
+    }
+    if bodies.len() > 1 {
+        return merge(operator.domain(), operator.mass(), &bodies, k, |body, count| {
+            let parameters = SpectrumParameters { eigenpairs: count, ..parameters.clone() };
+            connected_eigenpairs(&operator.restrict(&bodies[body]), &parameters, progress)
+        });
+    }
+    connected_eigenpairs(operator, parameters, progress)
+}
+
+/// As [`smallest_eigenpairs`], of an operator with one component.
+fn connected_eigenpairs(
+    operator: &Operator,
+    parameters: &SpectrumParameters,
+    progress: &(dyn Fn(usize) -> ControlFlow<()> + Sync),
+) -> Result<Spectrum, SpectralError> {
     let problem = StandardProblem::new(operator);
     let (n, k) = (problem.len(), parameters.eigenpairs);
-    if k > n {
-        return Err(SpectralError::TooManyEigenpairs { requested: k, available: n });
-    }
     let zeros = problem.null_space.len().min(k);
     let wanted = k - zeros;
     let capacity = lanczos_capacity((COLUMNS_PER_PAIR * wanted as f64) as usize);
@@ -73,13 +91,22 @@ pub fn smallest_eigenpairs_of_grid(
     if k > n {
         return Err(SpectralError::TooManyEigenpairs { requested: k, available: n });
     }
+    let bodies = members(&grid.components(), |_| true);
+    if bodies.len() > 1 {
+        let mass = vec![grid.frame().voxel_volume(); n];
+        return merge(Domain::Volume, &mass, &bodies, k, |body, count| {
+            let parameters = SpectrumParameters { eigenpairs: count, ..parameters.clone() };
+            let part = grid.restrict(|v| bodies[body].binary_search(&v).is_ok());
+            smallest_eigenpairs_of_grid(&part, &parameters, progress)
+        });
+    }
     let filter = match parameters.solver {
         Eigensolver::Auto => coarse_factor(n, k).is_some(),
         Eigensolver::Filter => basis_columns(k) + 2 * BLOCK < n / 8,
         Eigensolver::ShiftInvert => false,
     };
-    // Zero modes alone need no iteration; how many there are, the operator tells.
-    if !filter || k <= grid.components().len() {
+    // The zero mode alone needs no iteration.
+    if !filter || k == 1 {
         return smallest_eigenpairs(&grid_laplacian(grid), parameters, progress);
     }
     check_memory(parameters, n, n * filter_columns(k) + 8 * n)?;

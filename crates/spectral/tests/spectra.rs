@@ -5,7 +5,9 @@ use std::ops::ControlFlow;
 
 use mser3d_laplace::{Operator, cotangent_laplacian, grid_laplacian};
 use mser3d_shape::{BitGrid, Frame, TriangleMesh, VoxelGrid};
-use mser3d_spectral::{SpectralError, Spectrum, SpectrumParameters, smallest_eigenpairs};
+use mser3d_spectral::{
+    SpectralError, Spectrum, SpectrumParameters, smallest_eigenpairs, smallest_eigenpairs_of_grid,
+};
 
 fn solve(operator: &Operator, eigenpairs: usize) -> Spectrum {
     let parameters = SpectrumParameters { eigenpairs, ..Default::default() };
@@ -193,6 +195,19 @@ fn every_component_has_its_exact_constant() {
         [13, 16, 9].iter().flat_map(|&n| box_spectrum([n, 9, 9], [1.0; 3], 20)).collect();
     parts.sort_by(f64::total_cmp);
     assert_close(basis.eigenvalues(), &parts[..20], 1e-9);
+}
+
+#[test]
+fn equal_bodies_miss_no_copy_of_an_eigenvalue() {
+    // 27 cubes of 9^3: 27 zeros and 81 copies of 2 - 2 cos(pi / 9), on the grid and as a matrix.
+    let grid = solid([29; 3], [1.0; 3], |c| c.iter().all(|x| (x - 0.5) % 10.0 != 9.0));
+    let mut expected: Vec<f64> = box_spectrum([9; 3], [1.0; 3], 8).repeat(27);
+    expected.sort_by(f64::total_cmp);
+    let parameters = SpectrumParameters { eigenpairs: 120, ..Default::default() };
+    let found = smallest_eigenpairs_of_grid(&grid, &parameters, &|_| ControlFlow::Continue(())).unwrap();
+    assert_eq!(found.report.zero_modes, 27);
+    assert_close(found.basis.eigenvalues(), &expected[..120], 1e-9);
+    assert_close(solve(&grid_laplacian(&grid), 120).basis.eigenvalues(), &expected[..120], 1e-9);
 }
 
 #[test]
