@@ -26,7 +26,7 @@ pub struct Arguments {
     /// Only cases with this in their names; may be given several times
     #[arg(long)]
     case: Vec<String>,
-    /// Only solvers with this in their names; may be given several times
+    /// Only solvers with this in their names, and write nothing; may be given several times
     #[arg(long)]
     solver: Vec<String>,
     /// Threads of our solvers, one row each; peers get the first
@@ -84,14 +84,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let output = arguments.output.clone().unwrap_or(default);
     let mut wrong = Vec::new();
     for case in chosen {
-        let rows = run_case(case, &peers, arguments)?;
+        let (rows, failed) = run_case(case, &peers, arguments)?;
+        wrong.extend(failed.into_iter().map(|message| format!("{}: {message}", case.name)));
         for row in &rows {
             if row.difference > SAME || row.residual > 100.0 * row.tolerance || row.same_bits == "no" {
                 wrong.push(format!("{}: {}", case.name, report::line(row)));
             }
         }
-        // Written case by case: the later ones take long.
-        report::write(&output, &rows, &order, &heading)?;
+        // Written case by case: the later ones take long. Some solvers alone are no comparison.
+        if arguments.solver.is_empty() {
+            report::write(&output, &rows, &order, &heading)?;
+        }
     }
     if wrong.is_empty() { Ok(()) } else { Err(format!("wrong answers:\n{}", wrong.join("\n")).into()) }
 }
@@ -103,8 +106,12 @@ struct Outcome {
     digest: Option<String>,
 }
 
-/// Runs all solvers on a case, in turns, and prints its table.
-fn run_case(case: &Case, peers: &Peers, arguments: &Arguments) -> Result<Vec<Row>, Box<dyn Error>> {
+/// Runs all solvers on a case, in turns, and prints its table. The second list says what failed.
+fn run_case(
+    case: &Case,
+    peers: &Peers,
+    arguments: &Arguments,
+) -> Result<(Vec<Row>, Vec<String>), Box<dyn Error>> {
     let problem = case.problem()?;
     let operator = problem.operator()?;
     let folder = peers.folder().join(&case.name);
@@ -133,6 +140,7 @@ fn run_case(case: &Case, peers: &Peers, arguments: &Arguments) -> Result<Vec<Row
     drop(problem);
     let once = arguments.quick || case.is_for_completeness() || case.size() > 100_000;
     let mut best: Vec<Option<Outcome>> = runs.iter().map(|_| None).collect();
+    let mut failed = Vec::new();
     for _ in 0..if once { 1 } else { arguments.repeat } {
         for (&(solver, threads), best) in runs.iter().zip(&mut best) {
             match run_solver(case, &operator, peers, solver, threads, &folder) {
@@ -141,24 +149,30 @@ fn run_case(case: &Case, peers: &Peers, arguments: &Arguments) -> Result<Vec<Row
                         *best = Some(new);
                     }
                 }
-                Err(error) => println!("{:20} {threads:7} failed: {error}", solver.label()),
+                Err(error) => {
+                    let message = format!("{:20} {threads:7} failed: {error}", solver.label());
+                    println!("{message}");
+                    if matches!(solver, Solver::Ours(_)) {
+                        failed.push(message);
+                    }
+                }
             }
         }
     }
     if folder.exists() {
         std::fs::remove_dir_all(&folder)?;
     }
-    let rows = judged(best.into_iter().flatten().collect());
+    let ours = best.first().and_then(Option::as_ref).map(|first| first.row.cpu);
+    let rows = judged(best.into_iter().flatten().collect(), ours);
     rows.iter().for_each(|row| println!("{}", report::line(row)));
-    Ok(rows)
+    Ok((rows, failed))
 }
 
-/// Compares the outcomes with the oracle's, ours, and those for other numbers of threads.
-fn judged(mut outcomes: Vec<Outcome>) -> Vec<Row> {
+/// Compares the outcomes with the oracle's, with our CPU seconds, and with those for other numbers of threads.
+fn judged(mut outcomes: Vec<Outcome>, ours: Option<f64>) -> Vec<Row> {
     let oracles = [Solver::ScipyCholmod, Solver::ScipySuperLu, Solver::Spectra].map(Solver::label);
     let oracle = oracles.iter().find_map(|&label| outcomes.iter().find(|o| o.row.solver == label));
     let expected = oracle.map(|oracle| oracle.values.clone());
-    let ours = outcomes.first().filter(|first| first.digest.is_some()).map(|first| first.row.cpu);
     let digests: Vec<_> = outcomes.iter().map(|o| (o.row.solver.clone(), o.digest.clone())).collect();
     for outcome in &mut outcomes {
         let row = &mut outcome.row;

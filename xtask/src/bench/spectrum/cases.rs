@@ -33,7 +33,7 @@ pub enum Shape {
 
 /// What is handed to a solver.
 pub enum Problem {
-    Grid(VoxelGrid),
+    Grid(Box<VoxelGrid>),
     Mesh(TriangleMesh),
 }
 
@@ -56,7 +56,7 @@ impl Case {
         Ok(match &self.shape {
             Shape::Body(path, voxels) => {
                 let parameters = VoxelizeParameters { pitch: Pitch::Voxels(*voxels), ..Default::default() };
-                Problem::Grid(voxelize(&mesh(path)?, &parameters)?.grid)
+                Problem::Grid(Box::new(voxelize(&mesh(path)?, &parameters)?.grid))
             }
             Shape::Surface(path, vertices) => Problem::Mesh(refined(&mesh(path)?, *vertices)?),
             Shape::Solid(dims, inside) => {
@@ -65,7 +65,7 @@ impl Case {
                 for voxel in BitGrid::full(*dims)?.ones() {
                     bits.set(voxel, inside(frame.centre(voxel)));
                 }
-                Problem::Grid(VoxelGrid::solid(frame, bits)?)
+                Problem::Grid(Box::new(VoxelGrid::solid(frame, bits)?))
             }
         })
     }
