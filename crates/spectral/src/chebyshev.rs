@@ -32,8 +32,11 @@ pub(crate) struct Polynomial {
     pub cutoff: f64,
 }
 
-/// Bytes of a core's cache that a wave of slices may fill.
-const WAVE_BYTES: usize = 384 << 10;
+/// Bytes that a wave of slices may fill: of a core's second-level cache, and, where that holds too few
+/// slices, of its share of the third-level cache.
+const WAVE_BYTES: [usize; 2] = [384 << 10, 6 << 20];
+/// Steps in a wave: fewer than the first are not worth it, more than the second gain nothing.
+const WAVE_STEPS: [usize; 2] = [4, 16];
 
 impl SlicedStencil {
     pub fn new(grid: &VoxelGrid) -> Self {
@@ -89,8 +92,7 @@ impl SlicedStencil {
     /// it was `cancelled`, and then stops with rubbish in x.
     pub fn filter(&self, p: Polynomial, x: &mut [Lanes], work: &mut [Lanes], cancelled: &dyn Fn() -> bool) {
         let steps = p.steps(self.bound);
-        let mean_slice = 2 * size_of::<Lanes>() * self.len() / (self.slices.len() - 1).max(1);
-        let depth = (WAVE_BYTES / mean_slice.max(1)).saturating_sub(2).clamp(1, 16);
+        let depth = self.wave_steps();
         // An even number of steps leaves the result in x.
         let (mut first, mut second) = (x, work);
         for steps in steps.chunks(depth) {
@@ -102,6 +104,15 @@ impl SlicedStencil {
                 std::mem::swap(&mut first, &mut second);
             }
         }
+    }
+
+    /// How many steps follow each other through the slices: a wave of s steps touches s + 2 slices of
+    /// two blocks.
+    fn wave_steps(&self) -> usize {
+        let slice = (2 * size_of::<Lanes>() * self.len()).div_ceil((self.slices.len() - 1).max(1)).max(1);
+        let steps = WAVE_BYTES.map(|bytes| (bytes / slice).saturating_sub(2));
+        let steps = if steps[0] >= WAVE_STEPS[0] { steps[0] } else { steps[1] };
+        steps.clamp(1, WAVE_STEPS[1])
     }
 
     /// `y = step.a A x + step.x x + step.previous y` on a range of rows; y is that range.
