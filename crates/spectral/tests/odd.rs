@@ -320,3 +320,20 @@ fn more_pairs_than_voxels_are_refused() {
         assert_eq!(error, SpectralError::TooManyEigenpairs { requested: 28, available: 27 });
     }
 }
+
+#[test]
+fn copies_of_one_body_multiply_its_eigenvalues() {
+    // 27 cubes of 9^3: 0 is 27-fold, 2 - 2 cos(pi / 9) 81-fold, far more than a block has columns.
+    let grid = solid([29; 3], [1.0; 3], |v| v.iter().all(|x| x % 10 != 9));
+    let first = 2.0 - 2.0 * (std::f64::consts::PI / 9.0).cos();
+    for solver in [Eigensolver::ShiftInvert, Eigensolver::Filter] {
+        for k in [100, 120] {
+            let parameters = SpectrumParameters { eigenpairs: k, solver, ..Default::default() };
+            let spectrum =
+                smallest_eigenpairs_of_grid(&grid, &parameters, &|_| ControlFlow::Continue(())).unwrap();
+            let values = spectrum.basis.eigenvalues();
+            let copies = values.iter().filter(|&&v| (v / first - 1.0).abs() < 1e-9).count();
+            assert_eq!((spectrum.report.zero_modes, copies), (27, 81.min(k - 27)), "{solver:?} {k}");
+        }
+    }
+}
