@@ -12,7 +12,9 @@ use crate::input::{Contents, Input, InputArgs};
 use crate::options::{RegionOptions, use_threads};
 use crate::output::{OutputFolder, Report};
 use crate::progress::Meter;
+use crate::render::UpAxis;
 use crate::table;
+use crate::view::write_page;
 
 #[derive(clap::Args)]
 pub struct DetectArgs {
@@ -21,6 +23,9 @@ pub struct DetectArgs {
     /// Folder for the results; made if it isn't there
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
+    /// Write a page for the browser too, view.html in the folder
+    #[arg(long)]
+    pub html: bool,
     /// Print the regions as JSON instead of a table
     #[arg(long)]
     pub json: bool,
@@ -43,6 +48,9 @@ pub fn run(args: &DetectArgs) -> Result<(), CliError> {
         detect_into(&args.output, &input, &args.input, &args.options, &parameters, &meter)?;
     if !args.quiet {
         report.warnings().iter().for_each(|w| eprintln!("mser3d: warning: {}: {w}", input.path.display()));
+    }
+    if args.html {
+        write_page(&args.output, &args.output.join("view.html"), UpAxis::Y)?;
     }
     if args.json {
         report.print()
@@ -105,13 +113,10 @@ impl<'a> Subject<'a> {
         let failed = |e| CliError::Shape { path: input.path.clone(), source: mser3d::Error::from(e) };
         let frame = Frame::new(mask.dims(), [0.0; 3], [options.pitch.unwrap_or(1.0); 3]).map_err(failed)?;
         let whole = VoxelGrid::solid(frame, mask.clone()).map_err(failed)?;
-        let parts = whole.components();
-        let largest = parts.largest();
-        let grid = whole.restrict(|v| Some(parts.labels[v as usize]) == largest);
-        let dropped = whole.len() - grid.len();
+        let voxels = whole.len();
+        let (grid, components, dropped) = whole.largest_component();
         let warning = (dropped > 0).then(|| {
-            let share = 100.0 * dropped as f64 / whole.len() as f64;
-            let components = parts.len() - 1;
+            let share = 100.0 * dropped as f64 / voxels as f64;
             format!("{components} smaller components with {dropped} voxels ({share:.2} %) were dropped")
         });
         Ok(Self::Solid(Box::new(grid), warning))

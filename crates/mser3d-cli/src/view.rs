@@ -1,7 +1,7 @@
 //! `mser3d view`: a result as a page for the browser.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use mser3d_meshio::write_atomically;
 use mser3d_results::Results;
@@ -22,9 +22,15 @@ pub struct ViewArgs {
 }
 
 pub fn run(args: &ViewArgs) -> Result<(), CliError> {
-    let results = Results::load(&args.folder)?;
     let output = args.output.clone().unwrap_or_else(|| args.folder.join("view.html"));
-    let html = results.page(&format!("Stable regions of {}", results.name()), args.up.into())?;
-    write_atomically(&output, |out| out.write_all(html.as_bytes()))?;
+    write_page(&args.folder, &output, args.up)?;
     writeln!(std::io::stdout().lock(), "open {} in a browser", output.display()).map_err(CliError::Stdout)
+}
+
+/// Writes the page of a results folder.
+pub fn write_page(folder: &Path, output: &Path, up: UpAxis) -> Result<(), CliError> {
+    let results = Results::load(folder)?;
+    let html = results.page(&format!("Stable regions of {}", results.name()), up.into())?;
+    write_atomically(output, |out| out.write_all(html.as_bytes()))?;
+    Ok(())
 }

@@ -9,7 +9,7 @@ use mser3d_viewer::NO_REGION;
 
 use crate::{Results, ResultsError};
 
-const FILES: [&str; 4] = ["regions.json", "features.npz", "surface.ply", "volume.vti"];
+const FILES: [&str; 5] = ["regions.json", "features.npz", "surface.ply", "volume.vti", "view.html"];
 
 impl Results {
     /// Writes the whole folder, which is made if it is not there: the files of
