@@ -29,7 +29,7 @@ impl Results {
     /// Writes `features.npz` (with more arrays, if some are given), `surface.ply` of a mesh and
     /// `volume.vti` of a volume.
     ///
-    /// All four files of an older result go first, `regions.json` before the others: while it is
+    /// The files of an older result go first, its page too, `regions.json` before the others: while it is
     /// there, the others belong to it. Each file appears whole or not at all, and the same results
     /// make the same bytes.
     ///
