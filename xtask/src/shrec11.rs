@@ -20,7 +20,7 @@ use mser3d_shrec11::Benchmark;
 #[derive(clap::Args)]
 #[command(group = clap::ArgGroup::new("source").required(true).args(["data", "synthesize"]))]
 pub struct Arguments {
-    /// Folder of the benchmark: NNNN.<class>.<strength>.off and corr/
+    /// Folder of the benchmark: NNNN.CLASS.STRENGTH.off and corr/
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
     /// Make a benchmark from this closed mesh instead
