@@ -63,14 +63,15 @@ fn innermost<'a>(n: usize, regions: impl Iterator<Item = &'a [u32]>) -> Vec<Opti
 
 /// Finds and describes the stable regions of a mesh: of the solid inside it, or of its surface.
 ///
-/// ```no_run
-/// # let mesh: mser3d::shape::TriangleMesh = unimplemented!();
+/// ```
+/// # fn run(mesh: &mser3d::shape::TriangleMesh) -> Result<(), mser3d::Error> {
 /// let features =
-///     mser3d::detect(&mesh, mser3d::Domain::Volume, &Default::default(), &mser3d::no_progress)?;
+///     mser3d::detect(mesh, mser3d::Domain::Volume, &Default::default(), &mser3d::no_progress)?;
 /// for region in &features.regions {
 ///     println!("{:.1} % of the volume around {:?}", 100.0 * region.volume_fraction, region.centroid);
 /// }
-/// # Ok::<(), mser3d::Error>(())
+/// # Ok(())
+/// # }
 /// ```
 ///
 /// # Errors
