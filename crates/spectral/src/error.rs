@@ -63,9 +63,10 @@ pub enum SpectralError {
         /// The positive shift that was added.
         shift: f64,
     },
-    /// A dense eigenproblem inside the iteration failed, which finite input never causes.
-    #[error("a small dense eigenproblem failed; the operator has entries that overflow, rescale the shape")]
-    DenseEigenproblem,
+    /// A dense eigenproblem inside the iteration failed, or its result is not finite: only entries that
+    /// overflow cause it.
+    #[error("the eigenproblem overflows; rescale the shape so that its size is nearer to 1")]
+    Overflow,
     /// The caller asked to stop.
     #[error("cancelled")]
     Cancelled,

@@ -137,7 +137,7 @@ impl Ritz {
     /// The last block's coupling to the next, unexplored one gives the residuals.
     fn new(projected: &Mat<f64>, filled: usize, coupling: &Mat<f64>) -> Result<Self, SpectralError> {
         let square = projected.submatrix(0, 0, filled, filled).to_owned();
-        let (values, vectors) = small_eigen(&square).ok_or(SpectralError::DenseEigenproblem)?;
+        let (values, vectors) = small_eigen(&square).ok_or(SpectralError::Overflow)?;
         let vectors = vectors.as_ref().reverse_cols().to_owned();
         let tails = coupling * vectors.subrows(filled - BLOCK, BLOCK);
         let norm = |at: usize| (0..BLOCK).map(|i| tails[(i, at)].powi(2)).sum::<f64>().sqrt();
@@ -162,7 +162,7 @@ fn orthonormalize(
     // Two rounds: the second mends what the condition of the first lost.
     for _ in 0..2 {
         let gram = block.gram(all.clone(), block);
-        let combination = orthonormal_combinations(&gram).ok_or(SpectralError::DenseEigenproblem)?;
+        let combination = orthonormal_combinations(&gram).ok_or(SpectralError::Overflow)?;
         let found = combination.ncols();
         // Q = X C, so Q^T X = C^T (X^T X).
         let mut step = Mat::<f64>::zeros(BLOCK, BLOCK);

@@ -63,8 +63,8 @@ pub(crate) fn merge(
         }
     }
     let values = order.iter().map(|&(value, ..)| value).collect();
-    let basis = Eigenbasis::new(domain, mass.to_vec(), values, functions)
-        .expect("eigenvalues were sorted and come from eigenbases");
+    let basis =
+        Eigenbasis::new(domain, mass.to_vec(), values, functions).map_err(|_| SpectralError::Overflow)?;
     Ok(Spectrum { basis, report: combined(&spectra, members.len().min(wanted)) })
 }
 

@@ -54,6 +54,7 @@ fn connected_eigenpairs(
 ) -> Result<Spectrum, SpectralError> {
     let problem = StandardProblem::new(operator);
     let (n, k) = (problem.len(), parameters.eigenpairs);
+    check_size(problem.unit_eigenvalue, problem.bound())?;
     let zeros = problem.null_space.len().min(k);
     let wanted = k - zeros;
     let capacity = lanczos_capacity((COLUMNS_PER_PAIR * wanted as f64) as usize);
@@ -91,6 +92,8 @@ pub fn smallest_eigenpairs_of_grid(
     if k > n {
         return Err(SpectralError::TooManyEigenpairs { requested: k, available: n });
     }
+    let volume = grid.frame().voxel_volume();
+    check_size(volume, grid.frame().spacing().iter().map(|h| 1.0 / (h * h)).sum())?;
     let bodies = members(&grid.components(), |_| true);
     if bodies.len() > 1 {
         let mass = vec![grid.frame().voxel_volume(); n];
@@ -137,7 +140,7 @@ pub fn smallest_eigenpairs_of_grid(
     let values = std::iter::repeat_n(0.0, zero_modes).chain(order.iter().map(|&i| found.values[i]));
     let mass = vec![grid.frame().voxel_volume(); n];
     let basis = Eigenbasis::new(Domain::Volume, mass, values.collect(), functions)
-        .expect("Rayleigh quotients are sorted and not negative");
+        .map_err(|_| SpectralError::Overflow)?;
     Ok(Spectrum { basis, report })
 }
 
@@ -264,7 +267,7 @@ fn finish(
         orthogonality: quality.orthogonality,
         zero_modes,
     };
-    Ok(Spectrum { basis: problem.eigenbasis(operator, &values, &vectors, k), report })
+    Ok(Spectrum { basis: problem.eigenbasis(operator, &values, &vectors, k)?, report })
 }
 
 /// True residuals and orthogonality, measured on the vectors.
@@ -322,6 +325,12 @@ fn check_residuals(
         residual,
         tolerance: parameters.tolerance,
     })
+}
+
+/// Whether a measure and the operator's bound are numbers that can be computed with.
+fn check_size(measure: f64, bound: f64) -> Result<(), SpectralError> {
+    // A bound of zero is an operator of one row.
+    if measure.is_normal() && bound.is_finite() { Ok(()) } else { Err(SpectralError::Overflow) }
 }
 
 /// Largest entry of |V^T V - I| over the first columns.

@@ -81,7 +81,7 @@ impl StandardProblem {
         values: &[f64],
         vectors: &Tall,
         count: usize,
-    ) -> Eigenbasis {
+    ) -> Result<Eigenbasis, SpectralError> {
         let zeros = self.null_space.len().min(count);
         let mut functions = vec![0.0; operator.len() * count];
         for (at, &v) in self.active.iter().enumerate() {
@@ -95,7 +95,7 @@ impl StandardProblem {
         }
         let eigenvalues = std::iter::repeat_n(0.0, zeros).chain(values[..count - zeros].iter().copied());
         Eigenbasis::new(operator.domain(), operator.mass().to_vec(), eigenvalues.collect(), functions)
-            .expect("eigenvalues are sorted, masses were checked by the operator")
+            .map_err(|_| SpectralError::Overflow)
     }
 }
 
@@ -178,7 +178,7 @@ pub(crate) fn dense_eigenpairs(problem: &StandardProblem) -> Result<(Vec<f64>, T
             }
         }
     }
-    let (values, vectors) = crate::tall::small_eigen(&matrix).ok_or(SpectralError::DenseEigenproblem)?;
+    let (values, vectors) = crate::tall::small_eigen(&matrix).ok_or(SpectralError::Overflow)?;
     let rest = n - null.len();
     let mut tall = Tall::zeros(n, rest);
     tall.fill(rest, |row, column| vectors[(row, column)]);

@@ -255,6 +255,17 @@ fn wrong_requests_are_clear_errors() {
 }
 
 #[test]
+fn sizes_whose_powers_overflow_are_no_panic() {
+    for spacing in [1e-170, 1e160] {
+        let grid = solid([24; 3], [spacing; 3], |_| true);
+        let parameters = SpectrumParameters { eigenpairs: 10, ..Default::default() };
+        let go_on = |_| ControlFlow::Continue(());
+        assert!(smallest_eigenpairs_of_grid(&grid, &parameters, &go_on).is_err());
+        assert!(smallest_eigenpairs(&grid_laplacian(&grid), &parameters, &go_on).is_err());
+    }
+}
+
+#[test]
 fn cancelling_ends_the_work() {
     let operator = grid_laplacian(&solid([20, 20, 20], [1.0; 3], |_| true));
     let result = smallest_eigenpairs(&operator, &SpectrumParameters::default(), &|_| ControlFlow::Break(()));
