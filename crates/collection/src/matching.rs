@@ -1,6 +1,6 @@
 use std::path::{Path, PathBuf};
 
-use mser3d::descriptors::{Descriptors, MatchParams, match_descriptors};
+use mser3d::descriptors::{Descriptors, MatchParameters, match_descriptors};
 use mser3d_results::Results;
 use serde::Serialize;
 
@@ -80,7 +80,7 @@ const LIKE_VOLUME: f64 = 1.25;
 pub fn match_shapes(
     first: &Shape,
     second: &Shape,
-    parameters: &MatchParams,
+    parameters: &MatchParameters,
 ) -> Result<Matching, CollectionError> {
     if let Some(what) = first.settings.difference(&second.settings) {
         let (first, second) = (first.folder.clone(), second.folder.clone());

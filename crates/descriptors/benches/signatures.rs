@@ -50,8 +50,8 @@ fn signatures(c: &mut Criterion) {
     bench("auto_diffusivity", &|| drop(black_box(auto_diffusivity(&basis, t))));
     bench("inverse_heat_kernel", &|| drop(black_box(inverse_heat_kernel(&basis, t, &edges))));
     bench("commute_time", &|| drop(black_box(commute_time(&basis))));
-    bench("hks", &|| drop(black_box(hks(&basis, &HksParams::default(), None))));
-    bench("si_hks", &|| drop(black_box(si_hks(&basis, &SiHksParams::default(), None))));
+    bench("hks", &|| drop(black_box(hks(&basis, &HksParameters::default(), None))));
+    bench("si_hks", &|| drop(black_box(si_hks(&basis, &SiHksParameters::default(), None))));
     group.finish();
 }
 
@@ -65,12 +65,12 @@ fn comparisons(c: &mut Criterion) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     let mut group = c.benchmark_group("comparisons");
     group.sample_size(10);
-    let params = IntegralInvariantParams::default();
+    let params = IntegralInvariantParameters::default();
     group.bench_function("integral invariants of 45000 voxels", |b| {
         pool.install(|| b.iter(|| integral_invariants(&grid, &params, None)))
     });
     group.bench_function("20 regions matched to 100000", |b| {
-        pool.install(|| b.iter(|| match_descriptors(&queries, &references, &MatchParams::default())))
+        pool.install(|| b.iter(|| match_descriptors(&queries, &references, &MatchParameters::default())))
     });
     group.finish();
 }

@@ -4,19 +4,19 @@ use rayon::prelude::*;
 
 /// Parameters of [`hks`].
 #[derive(Clone, Debug, PartialEq)]
-pub struct HksParams {
+pub struct HksParameters {
     /// The time samples, one a column. Default: six from 0.25 to 1 of the shape's unit of time, evenly
     /// spaced in log t. (The paper's 1024 to 4096 are 0.23 to 0.92 on its own shapes.)
     pub times: Vec<TimeScale>,
 }
 
-impl Default for HksParams {
+impl Default for HksParameters {
     fn default() -> Self {
         Self { times: (0..6).map(|i| TimeScale::Relative(0.25 * 4f64.powf(f64::from(i) / 5.0))).collect() }
     }
 }
 
-impl HksParams {
+impl HksParameters {
     /// Whether there is a time sample and all of them are positive.
     ///
     /// # Errors
@@ -39,7 +39,7 @@ impl HksParams {
 /// [`DescriptorError::BadParameter`], [`DescriptorError::EmptyBasis`], [`DescriptorError::IndexOutOfRange`].
 pub fn hks(
     basis: &Eigenbasis,
-    params: &HksParams,
+    params: &HksParameters,
     vertices: Option<&[u32]>,
 ) -> Result<Descriptors, DescriptorError> {
     params.validate()?;

@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 /// Parameters of [`integral_invariants`].
 #[derive(Clone, Debug, PartialEq)]
-pub struct IntegralInvariantParams {
-    /// Radii of the balls, one a column, in units of [`IntegralInvariantParams::unit`].
+pub struct IntegralInvariantParameters {
+    /// Radii of the balls, one a column, in units of [`IntegralInvariantParameters::unit`].
     /// Default 0.05, 0.1, 0.15, 0.2, 0.3 and 0.4: 2 to 14 voxels in a solid of 45,000.
     pub radii: Vec<f64>,
     /// What one unit of the radii is, in length. Default `None`: the cube root of the volume. Give all poses
@@ -13,13 +13,13 @@ pub struct IntegralInvariantParams {
     pub unit: Option<f64>,
 }
 
-impl Default for IntegralInvariantParams {
+impl Default for IntegralInvariantParameters {
     fn default() -> Self {
         Self { radii: vec![0.05, 0.1, 0.15, 0.2, 0.3, 0.4], unit: None }
     }
 }
 
-impl IntegralInvariantParams {
+impl IntegralInvariantParameters {
     /// Whether all values are in range.
     ///
     /// # Errors
@@ -55,7 +55,7 @@ impl IntegralInvariantParams {
 /// [`DescriptorError::IndexOutOfRange`].
 pub fn integral_invariants(
     grid: &VoxelGrid,
-    params: &IntegralInvariantParams,
+    params: &IntegralInvariantParameters,
     voxels: Option<&[u32]>,
 ) -> Result<Descriptors, DescriptorError> {
     params.validate()?;
@@ -168,8 +168,8 @@ mod tests {
         VoxelGrid::solid(frame, BitGrid::full(dims).unwrap()).unwrap().restrict(keep)
     }
 
-    fn lengths(radii: &[f64]) -> IntegralInvariantParams {
-        IntegralInvariantParams { radii: radii.to_vec(), unit: Some(1.0) }
+    fn lengths(radii: &[f64]) -> IntegralInvariantParameters {
+        IntegralInvariantParameters { radii: radii.to_vec(), unit: Some(1.0) }
     }
 
     #[test]
@@ -216,14 +216,14 @@ mod tests {
     #[test]
     fn a_scaled_copy_has_the_same_invariants() {
         let [small, large] = [1.0, 2.0].map(|h| solid([9, 7, 5], [h; 3], |v| v % 13 != 0));
-        let params = IntegralInvariantParams::default();
+        let params = IntegralInvariantParameters::default();
         assert_eq!(integral_invariants(&small, &params, None), integral_invariants(&large, &params, None));
     }
 
     #[test]
     fn wrong_parameters_are_named() {
         for radii in [vec![], vec![0.0], vec![0.1, f64::NAN]] {
-            assert!(IntegralInvariantParams { radii, unit: None }.validate().is_err());
+            assert!(IntegralInvariantParameters { radii, unit: None }.validate().is_err());
         }
         let grid = solid([2, 2, 2], [1.0; 3], |_| true);
         assert!(integral_invariants(&grid, &lengths(&[1.0]), Some(&[8])).is_err());

@@ -17,7 +17,7 @@
 //! Computers & Graphics 36 (2012).
 //!
 //! ```
-//! use mser3d_descriptors::{SiHksParams, TimeScale, auto_diffusivity, region_descriptors, si_hks};
+//! use mser3d_descriptors::{SiHksParameters, TimeScale, auto_diffusivity, region_descriptors, si_hks};
 //! use mser3d_shape::{Domain, Eigenbasis};
 //!
 //! // A rod of two voxels of volume 1/2: one constant mode and one of opposite signs.
@@ -27,7 +27,7 @@
 //! assert!((heat[0] - (1.0 + (-4.0 * t).exp())).abs() < 1e-15);
 //!
 //! let regions = [[0u32]];
-//! let params = SiHksParams::default();
+//! let params = SiHksParameters::default();
 //! let rows = region_descriptors(&regions, basis.mass(), |voxels| si_hks(&basis, &params, Some(voxels)))?;
 //! assert_eq!(rows.width(), 6);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -56,11 +56,11 @@ pub use assignment::assign;
 pub use commute::{ZERO_EIGENVALUE, commute_time, power_diffusivity, zero_modes};
 pub use error::DescriptorError;
 pub use heat::{auto_diffusivity, diffusion_distance, heat_kernel, heat_trace, inverse_heat_kernel};
-pub use hks::{HksParams, hks};
-pub use integral_invariants::{IntegralInvariantParams, integral_invariants};
-pub use matching::{Candidate, Match, MatchParams, MatchRule, match_descriptors};
+pub use hks::{HksParameters, hks};
+pub use integral_invariants::{IntegralInvariantParameters, integral_invariants};
+pub use matching::{Candidate, Match, MatchParameters, MatchRule, match_descriptors};
 pub use regions::region_descriptors;
-pub use si_hks::{SiHksParams, si_hks};
+pub use si_hks::{SiHksParameters, si_hks};
 pub use table::Descriptors;
 pub use time::TimeScale;
-pub use vocabulary::{Vocabulary, VocabularyParams};
+pub use vocabulary::{Vocabulary, VocabularyParameters};

@@ -15,7 +15,7 @@ pub enum MatchRule {
 
 /// Parameters of [`match_descriptors`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MatchParams {
+pub struct MatchParameters {
     /// How partners are chosen. Default: nearest.
     pub rule: MatchRule,
     /// Ratio test (Lowe 2004): drop matches whose distance is at least this times that to the nearest
@@ -29,13 +29,13 @@ pub struct MatchParams {
     pub ambiguity: f64,
 }
 
-impl Default for MatchParams {
+impl Default for MatchParameters {
     fn default() -> Self {
         Self { rule: MatchRule::default(), max_ratio: None, max_distance: None, ambiguity: 0.8 }
     }
 }
 
-impl MatchParams {
+impl MatchParameters {
     /// Whether all values are in range.
     ///
     /// # Errors
@@ -75,7 +75,7 @@ pub struct Match {
     pub partner: Candidate,
     /// The nearest reference other than the partner; `None` if there is only one reference.
     pub rival: Option<Candidate>,
-    /// Whether the rival is about as near ([`MatchParams::ambiguity`]), as left and right are: intrinsic
+    /// Whether the rival is about as near ([`MatchParameters::ambiguity`]), as left and right are: intrinsic
     /// descriptors cannot tell symmetric parts apart.
     pub ambiguous: bool,
 }
@@ -84,11 +84,11 @@ pub struct Match {
 /// of the queries. Of equally near references the first counts.
 ///
 /// ```
-/// use mser3d_descriptors::{Descriptors, MatchParams, match_descriptors};
+/// use mser3d_descriptors::{Descriptors, MatchParameters, match_descriptors};
 ///
 /// let arms_and_head = Descriptors::new(1, vec![1.0, 1.1, 5.0])?;
 /// let head_and_arm = Descriptors::new(1, vec![5.2, 1.04])?;
-/// let matches = match_descriptors(&head_and_arm, &arms_and_head, &MatchParams::default())?;
+/// let matches = match_descriptors(&head_and_arm, &arms_and_head, &MatchParameters::default())?;
 /// assert_eq!(matches[0].partner.reference, 2);
 /// assert_eq!(matches[1].partner.reference, 0);
 /// assert!(!matches[0].ambiguous);
@@ -104,7 +104,7 @@ pub struct Match {
 pub fn match_descriptors(
     queries: &Descriptors,
     references: &Descriptors,
-    params: &MatchParams,
+    params: &MatchParameters,
 ) -> Result<Vec<Match>, DescriptorError> {
     params.validate()?;
     references.check_width(queries)?;

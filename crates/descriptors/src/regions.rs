@@ -10,11 +10,11 @@ use rayon::prelude::*;
 /// not at all.
 ///
 /// ```
-/// use mser3d_descriptors::{SiHksParams, region_descriptors, si_hks};
+/// use mser3d_descriptors::{SiHksParameters, region_descriptors, si_hks};
 /// # use mser3d_shape::{Domain, Eigenbasis};
 /// # let basis = Eigenbasis::new(Domain::Volume, vec![0.5; 2], vec![0.0, 4.0], vec![1., 1., 1., -1.])?;
 /// let regions: Vec<Vec<u32>> = vec![vec![0, 1], vec![1]];
-/// let params = SiHksParams::default();
+/// let params = SiHksParameters::default();
 /// let rows = region_descriptors(&regions, basis.mass(), |vertices| si_hks(&basis, &params, Some(vertices)))?;
 /// assert_eq!(rows.len(), 2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -10,7 +10,7 @@ use realfft::RealFftPlanner;
 
 /// Parameters of [`si_hks`].
 #[derive(Clone, Debug, PartialEq)]
-pub struct SiHksParams {
+pub struct SiHksParameters {
     /// Volumes are scaled to this volume before `t = 2^tau` is taken. Default 45,000, the paper's number of
     /// voxels, so that t is in squared voxels there; the descriptor doesn't depend on the voxel size.
     pub reference_volume: f64,
@@ -18,7 +18,7 @@ pub struct SiHksParams {
     /// volume (14,100 to 14,200 on a rigged model), so that t means the same length in both methods.
     pub reference_area: f64,
     /// Instead of both: what one unit of t is, in length^2. Give all poses of a shape the unit of one of
-    /// them ([`SiHksParams::unit`]), and a pose that loses a part keeps its scales. Default `None`.
+    /// them ([`SiHksParameters::unit`]), and a pose that loses a part keeps its scales. Default `None`.
     pub unit: Option<f64>,
     /// First tau, the base-2 logarithm of the first t. Default 1.
     pub tau_start: f64,
@@ -30,7 +30,7 @@ pub struct SiHksParams {
     pub frequencies: usize,
 }
 
-impl Default for SiHksParams {
+impl Default for SiHksParameters {
     fn default() -> Self {
         Self {
             reference_volume: 45_000.0,
@@ -47,7 +47,7 @@ impl Default for SiHksParams {
 /// More samples than this are a mistake.
 const MAX_SAMPLES: f64 = 65_536.0;
 
-impl SiHksParams {
+impl SiHksParameters {
     /// Whether all values are in range.
     ///
     /// # Errors
@@ -89,7 +89,7 @@ impl SiHksParams {
     }
 
     /// One unit of t on this shape, in length^2: `(V / reference_volume)^(2/3)` for a volume V,
-    /// `A / reference_area` for a surface of area A, or the given [`SiHksParams::unit`].
+    /// `A / reference_area` for a surface of area A, or the given [`SiHksParameters::unit`].
     pub fn unit(&self, basis: &Eigenbasis) -> f64 {
         self.unit.unwrap_or_else(|| match basis.domain() {
             Domain::Volume => (basis.measure() / self.reference_volume).powf(2.0 / 3.0),
@@ -99,7 +99,7 @@ impl SiHksParams {
 }
 
 /// The scale-invariant heat kernel signature (Bronstein & Kokkinos 2010), SI-vHKS in a volume and SI-HKS on
-/// a surface: a row of [`SiHksParams::frequencies`] values for each vertex.
+/// a surface: a row of [`SiHksParameters::frequencies`] values for each vertex.
 ///
 /// Scaling a shape by s turns `log H_t(v,v)` over `tau = log2 t` into a shifted copy plus a constant. So
 /// take its derivative, here the analytic one (eq. 9)
@@ -122,7 +122,7 @@ impl SiHksParams {
 /// [`DescriptorError::BadParameter`], [`DescriptorError::EmptyBasis`], [`DescriptorError::IndexOutOfRange`].
 pub fn si_hks(
     basis: &Eigenbasis,
-    params: &SiHksParams,
+    params: &SiHksParameters,
     vertices: Option<&[u32]>,
 ) -> Result<Descriptors, DescriptorError> {
     params.validate()?;

@@ -3,7 +3,7 @@ use rayon::prelude::*;
 
 /// Parameters of [`Vocabulary::train`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct VocabularyParams {
+pub struct VocabularyParameters {
     /// Number of words. Default 10; 6 to 12 serve for regions.
     pub words: usize,
     /// Softness of the assignment, in units of the descriptors. Default `None`: the median distance of a
@@ -15,13 +15,13 @@ pub struct VocabularyParams {
     pub seed: u64,
 }
 
-impl Default for VocabularyParams {
+impl Default for VocabularyParameters {
     fn default() -> Self {
         Self { words: 10, sigma: None, iterations: 100, seed: 1 }
     }
 }
 
-impl VocabularyParams {
+impl VocabularyParameters {
     /// Whether all values are in range.
     ///
     /// # Errors
@@ -48,10 +48,10 @@ fn check_sigma(sigma: f64) -> Result<(), DescriptorError> {
 /// ([`region_descriptors`](crate::region_descriptors)) is the region's bag of features.
 ///
 /// ```
-/// use mser3d_descriptors::{Descriptors, Vocabulary, VocabularyParams};
+/// use mser3d_descriptors::{Descriptors, Vocabulary, VocabularyParameters};
 ///
 /// let training = Descriptors::new(1, vec![0.0, 0.1, 0.2, 7.0, 7.1, 7.2])?;
-/// let params = VocabularyParams { words: 2, ..Default::default() };
+/// let params = VocabularyParameters { words: 2, ..Default::default() };
 /// let vocabulary = Vocabulary::train(&training, &params)?;
 /// let bag = vocabulary.encode(&Descriptors::new(1, vec![6.9])?)?;
 /// assert!(bag.row(0).contains(&1.0));
@@ -84,7 +84,7 @@ impl Vocabulary {
     /// # Errors
     /// [`DescriptorError::BadParameter`]; [`DescriptorError::TooFewDescriptors`] when there are fewer different
     /// descriptors than words, or fewer than two to measure sigma by.
-    pub fn train(training: &Descriptors, params: &VocabularyParams) -> Result<Self, DescriptorError> {
+    pub fn train(training: &Descriptors, params: &VocabularyParameters) -> Result<Self, DescriptorError> {
         params.validate()?;
         let needed = params.words.max(if params.sigma.is_none() { 2 } else { 1 });
         if training.len() < needed {
@@ -188,7 +188,7 @@ mod tests {
     fn words_are_the_means_of_separate_clusters() {
         let points = clusters(40);
         for seed in 0..20 {
-            let params = VocabularyParams { words: 3, seed, ..Default::default() };
+            let params = VocabularyParameters { words: 3, seed, ..Default::default() };
             let vocabulary = Vocabulary::train(&points, &params).unwrap();
             let mut words: Vec<&[f64]> = vocabulary.words().rows().collect();
             words.sort_by(|a, b| (a[0] + a[1]).total_cmp(&(b[0] + b[1])));
@@ -216,7 +216,7 @@ mod tests {
         let mut found = nearest_distances(&points);
         found.sort_by(f64::total_cmp);
         assert_eq!(found, naive);
-        let params = VocabularyParams { words: 3, ..Default::default() };
+        let params = VocabularyParameters { words: 3, ..Default::default() };
         assert_eq!(Vocabulary::train(&points, &params).unwrap().sigma(), naive[75]);
     }
 
@@ -242,13 +242,13 @@ mod tests {
     #[test]
     fn wrong_input_is_named() {
         let same = Descriptors::new(1, vec![2.0; 20]).unwrap();
-        let error = Vocabulary::train(&same, &VocabularyParams::default()).unwrap_err();
+        let error = Vocabulary::train(&same, &VocabularyParameters::default()).unwrap_err();
         assert_eq!(error, DescriptorError::TooFewDescriptors { needed: 10, found: 1 });
         let one = Descriptors::new(1, vec![2.0]).unwrap();
         let error =
-            Vocabulary::train(&one, &VocabularyParams { words: 1, ..Default::default() }).unwrap_err();
+            Vocabulary::train(&one, &VocabularyParameters { words: 1, ..Default::default() }).unwrap_err();
         assert_eq!(error, DescriptorError::TooFewDescriptors { needed: 2, found: 1 });
-        assert!(VocabularyParams { words: 0, ..Default::default() }.validate().is_err());
+        assert!(VocabularyParameters { words: 0, ..Default::default() }.validate().is_err());
         assert!(Vocabulary::new(one.clone(), f64::NAN).is_err());
         let wide = Descriptors::new(2, vec![0.0, 1.0]).unwrap();
         assert!(Vocabulary::new(one, 1.0).unwrap().encode(&wide).is_err());

@@ -8,7 +8,7 @@ use mser3d_shape::Eigenbasis;
 use std::f64::consts::{LN_2, PI};
 
 /// Eq. 9 and its Fourier transform, as written.
-fn naive_si_hks(basis: &Eigenbasis, params: &SiHksParams) -> Vec<f64> {
+fn naive_si_hks(basis: &Eigenbasis, params: &SiHksParameters) -> Vec<f64> {
     let (samples, unit) = (params.samples(), params.unit(basis));
     let mut all = Vec::new();
     for v in 0..basis.len() {
@@ -44,14 +44,14 @@ fn largest_relative_error(found: &[f64], expected: &[f64]) -> f64 {
 
 #[test]
 fn si_hks_is_eq_9_as_written() {
-    let odd = SiHksParams {
+    let odd = SiHksParameters {
         tau_start: -2.0,
         tau_end: 9.0,
         samples_per_octave: 7,
         frequencies: 4,
         ..Default::default()
     };
-    for params in [SiHksParams::default(), odd] {
+    for params in [SiHksParameters::default(), odd] {
         for basis in
             [box_basis([5, 4, 3], 0.2), sheet_basis([7, 5], 3.0), truncated(&box_basis([9, 3, 3], 1.0), 20)]
         {
@@ -65,7 +65,7 @@ fn si_hks_is_eq_9_as_written() {
 #[test]
 fn a_selection_gives_the_same_rows() {
     let basis = box_basis([7, 6, 5], 1.0);
-    let params = SiHksParams::default();
+    let params = SiHksParameters::default();
     let all = si_hks(&basis, &params, None).unwrap();
     let chosen: Vec<u32> = (0..basis.len() as u32).rev().step_by(3).collect();
     let some = si_hks(&basis, &params, Some(&chosen)).unwrap();
@@ -82,7 +82,7 @@ fn a_selection_gives_the_same_rows() {
 /// fixed unit, what the ends of the range cut off.
 #[test]
 fn si_hks_does_not_change_with_scale() {
-    let own = SiHksParams::default();
+    let own = SiHksParameters::default();
     let cases = [
         (box_basis([12, 8, 6], 1.0), box_basis([12, 8, 6], 2.0)),
         (sheet_basis([20, 12], 1.0), sheet_basis([20, 12], 2.0)),
@@ -92,12 +92,13 @@ fn si_hks_does_not_change_with_scale() {
         assert!(largest_relative_error(b.values(), a.values()) < 1e-10);
 
         // The slope is 0 at both ends of this range, so the shift loses nothing.
-        let fixed = SiHksParams { unit: Some(1.0), tau_start: -16.0, tau_end: 16.0, ..Default::default() };
+        let fixed =
+            SiHksParameters { unit: Some(1.0), tau_start: -16.0, tau_end: 16.0, ..Default::default() };
         let (a, b) = (si_hks(&small, &fixed, None).unwrap(), si_hks(&large, &fixed, None).unwrap());
         assert!(largest_relative_error(b.values(), a.values()) < 1e-4);
 
         // Heat kernel signatures do change: by s^dimension at the same relative time.
-        let [a, b] = [&small, &large].map(|basis| hks(basis, &HksParams::default(), None).unwrap());
+        let [a, b] = [&small, &large].map(|basis| hks(basis, &HksParameters::default(), None).unwrap());
         let factor = f64::from(1 << small.domain().dimension());
         assert!((a.values()[0] / b.values()[0] / factor - 1.0).abs() < 1e-9);
     }
@@ -105,7 +106,7 @@ fn si_hks_does_not_change_with_scale() {
 
 #[test]
 fn late_times_do_not_underflow() {
-    let mut params = SiHksParams { tau_start: 1.0, tau_end: 200.0, ..Default::default() };
+    let mut params = SiHksParameters { tau_start: 1.0, tau_end: 200.0, ..Default::default() };
     let basis = box_basis([4, 3, 2], 1.0);
     assert!(si_hks(&basis, &params, None).unwrap().values().iter().all(|x| x.is_finite()));
 
@@ -114,7 +115,7 @@ fn late_times_do_not_underflow() {
     let functions = (0..basis.len()).flat_map(|v| basis.at(v)[1..].to_vec()).collect();
     let values = basis.eigenvalues()[1..].to_vec();
     let basis = Eigenbasis::new(basis.domain(), basis.mass().to_vec(), values, functions).unwrap();
-    params = SiHksParams { unit: Some(1.0), tau_start: 12.0, tau_end: 13.0, frequencies: 1, ..params };
+    params = SiHksParameters { unit: Some(1.0), tau_start: 12.0, tau_end: 13.0, frequencies: 1, ..params };
     let expected: f64 =
         (0..16).map(|j| LN_2 * basis.eigenvalues()[0] * 2f64.powf(12.0 + f64::from(j) / 16.0)).sum();
     let found = si_hks(&basis, &params, Some(&[0])).unwrap();
@@ -124,14 +125,14 @@ fn late_times_do_not_underflow() {
 #[test]
 fn hks_is_the_auto_diffusivity_at_each_time() {
     let basis = sheet_basis([9, 8], 0.5);
-    let params = HksParams { times: vec![TimeScale::Absolute(0.2), TimeScale::Relative(0.3)] };
+    let params = HksParameters { times: vec![TimeScale::Absolute(0.2), TimeScale::Relative(0.3)] };
     let rows = hks(&basis, &params, None).unwrap();
     for (column, time) in params.times.iter().enumerate() {
         let heat = auto_diffusivity(&basis, time.on(&basis).unwrap()).unwrap();
         assert!(rows.rows().zip(heat).all(|(row, h)| row[column] == h));
     }
-    assert!(hks(&basis, &HksParams { times: vec![] }, None).is_err());
-    assert!(hks(&basis, &HksParams { times: vec![TimeScale::Relative(-1.0)] }, None).is_err());
+    assert!(hks(&basis, &HksParameters { times: vec![] }, None).is_err());
+    assert!(hks(&basis, &HksParameters { times: vec![TimeScale::Relative(-1.0)] }, None).is_err());
 }
 
 #[test]
@@ -165,7 +166,7 @@ fn one_and_two_threads_give_the_same_bits() {
     let basis = box_basis([11, 9, 7], 1.0);
     let run = || {
         let regions = [(0..300).collect::<Vec<u32>>(), (100..693).collect()];
-        region_descriptors(&regions, basis.mass(), |v| si_hks(&basis, &SiHksParams::default(), Some(v)))
+        region_descriptors(&regions, basis.mass(), |v| si_hks(&basis, &SiHksParameters::default(), Some(v)))
             .unwrap()
     };
     assert_eq!(common::with_threads(1, run), common::with_threads(2, run));
@@ -173,8 +174,8 @@ fn one_and_two_threads_give_the_same_bits() {
 
 #[test]
 fn wrong_parameters_are_named() {
-    let wrong = |change: fn(&mut SiHksParams)| {
-        let mut params = SiHksParams::default();
+    let wrong = |change: fn(&mut SiHksParameters)| {
+        let mut params = SiHksParameters::default();
         change(&mut params);
         params.validate().unwrap_err().to_string()
     };

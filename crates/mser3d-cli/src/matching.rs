@@ -5,7 +5,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use mser3d::descriptors::{MatchParams, MatchRule};
+use mser3d::descriptors::{MatchParameters, MatchRule};
 use mser3d_collection::{CollectionError, Matching, Shape, Verdict, judge, match_shapes};
 use mser3d_meshio::write_atomically;
 use mser3d_results::{Match, RenderOptions};
@@ -60,7 +60,7 @@ pub enum RuleArg {
 }
 
 pub fn run(args: &MatchArgs) -> Result<(), CliError> {
-    let parameters = MatchParams {
+    let parameters = MatchParameters {
         rule: match args.rule {
             RuleArg::Nearest => MatchRule::Nearest,
             RuleArg::Mutual => MatchRule::Mutual,

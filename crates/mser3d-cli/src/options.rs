@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use mser3d::comptree::{AltitudeScale, Mode, Polarity};
-use mser3d::descriptors::{HksParams, TimeScale};
+use mser3d::descriptors::{HksParameters, TimeScale};
 use mser3d::shape::{Connectivity, Domain};
 use mser3d::spectral::Eigensolver;
 use mser3d::voxelize::{Method, Overlap, Pitch};
@@ -217,7 +217,7 @@ impl RegionOptions {
         p.stability.min_stability = self.min_stability;
         p.pool.duplicate_overlap = self.duplicate_overlap;
         if self.descriptor == DescriptorArg::Hks {
-            p.descriptor = Descriptor::Hks(HksParams::default());
+            p.descriptor = Descriptor::Hks(HksParameters::default());
         }
         p.validate().map_err(|e| CliError::Usage(format!("wrong parameter: {e}")))?;
         Ok(p)

@@ -1,5 +1,5 @@
 use mser3d_comptree::{Polarity, PoolParameters, StabilityParameters};
-use mser3d_descriptors::{HksParams, SiHksParams, TimeScale};
+use mser3d_descriptors::{HksParameters, SiHksParameters, TimeScale};
 use mser3d_spectral::SpectrumParameters;
 use mser3d_voxelize::VoxelizeParameters;
 
@@ -36,14 +36,14 @@ impl Weight {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Descriptor {
     /// SI-vHKS in a volume, SI-HKS on a surface (eq. 9).
-    SiHks(SiHksParams),
+    SiHks(SiHksParameters),
     /// vHKS in a volume, HKS on a surface.
-    Hks(HksParams),
+    Hks(HksParameters),
 }
 
 impl Default for Descriptor {
     fn default() -> Self {
-        Self::SiHks(SiHksParams::default())
+        Self::SiHks(SiHksParameters::default())
     }
 }
 

@@ -1,7 +1,7 @@
 //! The detectors and descriptors that are compared.
 
 use mser3d::comptree::Mode;
-use mser3d::descriptors::HksParams;
+use mser3d::descriptors::HksParameters;
 use mser3d::{Descriptor, Domain, Parameters, Weight};
 
 /// A detector with a descriptor, and its name in files and tables.
@@ -18,7 +18,7 @@ pub fn all() -> Vec<Detector> {
         volume("volume-heat", |_| {}),
         volume("volume-heat-paper", |p| p.stability.mode = Mode::Paper),
         volume("volume-heat-baseline", |p| p.stability.mode = Mode::Baseline),
-        volume("volume-heat-vhks", |p| p.descriptor = Descriptor::Hks(HksParams::default())),
+        volume("volume-heat-vhks", |p| p.descriptor = Descriptor::Hks(HksParameters::default())),
         volume("volume-commute", |p| p.weight = Weight::CommuteTime),
         volume("volume-edge", |p| p.weight = Weight::HeatEdge),
         detector("surface-edge", Domain::Surface, |p| p.weight = Weight::HeatEdge),
