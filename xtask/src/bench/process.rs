@@ -87,7 +87,8 @@ mod tests {
         }
         let usage = watch.stop();
         assert!(std::hint::black_box(&numbers).len() == 8 << 20);
-        assert!(usage.wall >= 0.08 && usage.cpu > 0.0 && usage.cpu < usage.wall + 0.05);
+        // No upper bound: the time is the whole process's, other tests' included.
+        assert!(usage.wall >= 0.08 && usage.cpu > 0.0);
         assert!(usage.peak > 6.4e7);
     }
 }
