@@ -53,6 +53,14 @@ pub enum ResultsError {
     /// A picture or page cannot be made.
     #[error(transparent)]
     Viewer(#[from] mser3d_viewer::ViewerError),
+    /// A file of that name cannot be exported.
+    #[error("{}: {reason}", path.display())]
+    Export {
+        /// The file.
+        path: PathBuf,
+        /// Why, and what to do.
+        reason: &'static str,
+    },
     /// The mesh is not the one that the features were found on.
     #[error("the mesh has {found} vertices, but the features were found on one of {expected}; give that one")]
     OtherMesh {

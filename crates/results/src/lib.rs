@@ -2,7 +2,8 @@
 //!
 //! [`Results`] is the one type between [`mser3d::Features`] and whatever shows or compares them: the
 //! command line, the evaluation and the figures. It is written by [`Results::write`], read by
-//! [`Results::load`], and drawn by [`Results::sheet`], [`Results::page`] and their relatives.
+//! [`Results::load`], drawn by [`Results::sheet`], [`Results::page`] and their relatives, and given to
+//! other programs by [`Results::export`].
 //!
 //! # The folder
 //! | file | what it holds |
@@ -52,6 +53,7 @@
 
 mod draw;
 mod error;
+mod export;
 mod load;
 mod record;
 mod results;

@@ -1,11 +1,8 @@
 use std::io::Write;
 use std::path::Path;
 
-use mser3d_meshio::{
-    NpyArray, VertexAttributes, VoxelField, VoxelValues, write_atomically, write_npz, write_ply, write_vti,
-};
+use mser3d_meshio::{NpyArray, write_atomically, write_npz};
 use mser3d_shape::Frame;
-use mser3d_viewer::NO_REGION;
 
 use crate::{Results, ResultsError};
 
@@ -70,16 +67,10 @@ impl Results {
         write_npz(&folder.join("features.npz"), &arrays)?;
 
         if !self.mesh_of_voxels {
-            let colours = self.colours();
-            let colour = |&label: &i32| usize::try_from(label).map_or(NO_REGION, |l| colours[l]).0;
-            let colors: Vec<[u8; 3]> = vertex_region.iter().map(colour).collect();
-            let attributes =
-                VertexAttributes { colors: Some(&colors), regions: Some(&vertex_region), normals: None };
-            write_ply(&folder.join("surface.ply"), &self.mesh, &attributes)?;
+            self.export(&folder.join("surface.ply"))?;
         }
-        if let Some(grid) = &self.grid {
-            let field = VoxelField { name: "region", values: VoxelValues::Labels(&voxel_region) };
-            write_vti(&folder.join("volume.vti"), grid, &[field])?;
+        if self.grid.is_some() {
+            self.export(&folder.join("volume.vti"))?;
         }
         Ok(())
     }

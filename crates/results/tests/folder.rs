@@ -6,6 +6,7 @@ use std::sync::LazyLock;
 use mser3d::shape::TriangleMesh;
 use mser3d::voxelize::Pitch;
 use mser3d::{Domain, Parameters, detect, no_progress};
+use mser3d_meshio::{ReadOptions, read_mesh};
 use mser3d_results::{Match, RenderOptions, Results, Up};
 
 /// A dumbbell: two balls on a bar, around the x axis.
@@ -207,4 +208,24 @@ fn a_cut_opens_the_side_that_the_viewer_sees() {
     let (front, side) = (cut(None, 0.75, Up::Z), cut(Some(0), 0.75, Up::Z));
     assert!((front.offset - 0.5).abs() < 0.02, "{front:?}");
     assert_eq!((side.normal, side.offset), ([1.0, 0.0, 0.0], 1.5));
+}
+
+#[test]
+fn the_ending_says_what_is_exported() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    for (name, begins) in [("a.glb", "glTF"), ("a.PLY", "ply"), ("a.vtp", "<?xml"), ("a.vti", "<?xml")] {
+        VOLUME.export(&path(name)).unwrap();
+        assert!(std::fs::read(path(name)).unwrap().starts_with(begins.as_bytes()), "{name}");
+    }
+    let read = read_mesh(&path("a.PLY"), &ReadOptions::default()).unwrap().mesh;
+    assert_eq!(read, VOLUME.mesh);
+    let error = |name: &str| VOLUME.export(&path(name)).unwrap_err().to_string();
+    for name in ["a.fbx", "a"] {
+        assert!(error(name).ends_with("no such format; end the name in .glb, .ply, .vtp or .vti"));
+    }
+    let mut surface = VOLUME.clone();
+    surface.grid = None;
+    let error = surface.export(&path("b.vti")).unwrap_err().to_string();
+    assert!(error.contains("write .vtp") && !path("b.vti").exists(), "{error}");
 }

@@ -1,0 +1,21 @@
+//! `mser3d export`: a result as one file for another program.
+
+use std::path::PathBuf;
+
+use mser3d_results::Results;
+
+use crate::error::CliError;
+
+#[derive(clap::Args)]
+pub struct ExportArgs {
+    /// Folder that `mser3d detect` wrote
+    pub folder: PathBuf,
+    /// File to write, coloured by region; its ending says the format: .glb (Blender, browsers), .ply,
+    /// .vtp (surface, for ParaView) or .vti (voxels, for ParaView)
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+}
+
+pub fn run(args: &ExportArgs) -> Result<(), CliError> {
+    Ok(Results::load(&args.folder)?.export(&args.output)?)
+}

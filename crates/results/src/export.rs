@@ -1,0 +1,55 @@
+use std::path::Path;
+
+use mser3d_meshio::{
+    MeshIoError, VertexAttributes, VoxelField, VoxelValues, write_glb, write_ply, write_vti, write_vtp,
+};
+use mser3d_viewer::NO_REGION;
+
+use crate::{Results, ResultsError};
+
+impl Results {
+    /// Writes one file for other programs; its name's ending says which kind:
+    ///
+    /// | ending | opens in | holds |
+    /// |---|---|---|
+    /// | `.glb` | Blender, browsers | the mesh; `COLOR_0` and `_REGION` per vertex |
+    /// | `.ply` | MeshLab, Blender | the mesh; colour and `region` per vertex |
+    /// | `.vtp` | ParaView | the mesh; `color` and `region` per point |
+    /// | `.vti` | ParaView | the voxels; `region` and `inside` per cell |
+    ///
+    /// Of a solid given as voxels, the mesh is the outer faces of its voxels. `region` is the innermost
+    /// region, -1 for none.
+    ///
+    /// # Errors
+    /// [`ResultsError::Export`] for another ending, or for `.vti` when there are no voxels;
+    /// [`ResultsError::File`], naming the file.
+    pub fn export(&self, path: &Path) -> Result<(), ResultsError> {
+        let refuse = |reason| ResultsError::Export { path: path.to_owned(), reason };
+        let ending = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+        match ending.as_deref() {
+            Some("glb") => Ok(self.with_attributes(|a| write_glb(path, &self.mesh, a))?),
+            Some("ply") => Ok(self.with_attributes(|a| write_ply(path, &self.mesh, a))?),
+            Some("vtp") => Ok(self.with_attributes(|a| write_vtp(path, &self.mesh, a))?),
+            Some("vti") => {
+                let none = "the regions were found on a surface, there are no voxels; write .vtp";
+                let grid = self.grid.as_ref().ok_or_else(|| refuse(none))?;
+                let regions = self.voxel_region();
+                let field = VoxelField { name: "region", values: VoxelValues::Labels(&regions) };
+                Ok(write_vti(path, grid, &[field])?)
+            }
+            _ => Err(refuse("no such format; end the name in .glb, .ply, .vtp or .vti")),
+        }
+    }
+
+    /// Calls a writer of meshes with the colour and region of each vertex.
+    fn with_attributes(
+        &self,
+        write: impl FnOnce(&VertexAttributes<'_>) -> Result<(), MeshIoError>,
+    ) -> Result<(), MeshIoError> {
+        let regions = self.vertex_region();
+        let colours = self.colours();
+        let colour = |&label: &i32| usize::try_from(label).map_or(NO_REGION, |l| colours[l]).0;
+        let colors: Vec<[u8; 3]> = regions.iter().map(colour).collect();
+        write(&VertexAttributes { colors: Some(&colors), regions: Some(&regions), normals: None })
+    }
+}
