@@ -59,44 +59,26 @@ impl Columns<'_> {
         {
             return;
         }
-        // Corners from the first row to the last; an odd permutation turns the triangle over.
-        let (mut order, mut odd) = ([0, 1, 2], false);
-        for (i, j) in [(0, 1), (1, 2), (0, 1)] {
-            if first[order[i]] > first[order[j]] {
-                order.swap(i, j);
-                odd = !odd;
-            }
-        }
-        let [a, b, c] = order;
+        let ([a, b, c], odd) = ascending(first);
         let edge = |low: usize, high: usize| {
             Edge::new(self, [triangle[low], triangle[high]], [placed[low], placed[high]])
         };
+        let (long, short) = (edge(a, c), [edge(a, b), edge(b, c)]);
+        // Counter-clockwise seen from +d when b lies beyond the long edge, once for each of: an odd
+        // permutation, and the left-handed axes (x, z, y).
+        let turned = odd ^ (d == 1);
         let mut depth = None;
-        let long = edge(a, c);
-        let mut half = |rows: Range<u32>, short: Edge| {
-            for row in rows {
-                let (x, y) = (long.column(self, row), short.column(self, row));
-                if x == y {
-                    continue;
-                }
-                // Counter-clockwise seen from +d when b lies beyond the long edge, once for each of:
-                // an odd permutation, and the left-handed axes (x, z, y).
-                let entering = (x < y) == (odd ^ (d == 1));
+        for row in first[a]..first[c] {
+            let (x, y) = (long.column(self, row), short[usize::from(row >= first[b])].column(self, row));
+            let entering = (x < y) == turned;
+            for column in x.min(y)..x.max(y) {
                 let depth = depth.get_or_insert_with(|| Depth::new(self, placed));
-                for column in x.min(y)..x.max(y) {
-                    let cell = match certain_ceiling(depth.at(column, row), depth.error) {
-                        Some(cell) => cell.min(self.lattice.dims[d] as u32),
-                        None => self.exact_cell(triangle, column, row, entering),
-                    };
-                    emit(Passage { column, row, cell, entering });
-                }
+                let cell = match certain_ceiling(depth.at(column, row), depth.error) {
+                    Some(cell) => cell.min(self.lattice.dims[d] as u32),
+                    None => self.exact_cell(triangle, column, row, entering),
+                };
+                emit(Passage { column, row, cell, entering });
             }
-        };
-        if first[a] < first[b] {
-            half(first[a]..first[b], edge(a, b));
-        }
-        if first[b] < first[c] {
-            half(first[b]..first[c], edge(b, c));
         }
     }
 
@@ -120,6 +102,16 @@ impl Columns<'_> {
             side(&corners, self.lattice.centre(voxel)) == beyond
         })
     }
+}
+
+/// The order of three rows from the first to the last, and whether it is an odd permutation; without
+/// branches, which no processor would foresee.
+#[inline]
+fn ascending(rows: [u32; 3]) -> ([usize; 3], bool) {
+    let [p, q, r]: [u64; 3] = std::array::from_fn(|i| u64::from(rows[i]) << 2 | i as u64);
+    let (low, high) = (p.min(q), p.max(q));
+    let order = [low.min(r), low.max(r).min(high), high.max(r)].map(|key| (key & 3) as usize);
+    (order, order[1] != (order[0] + 1) % 3)
 }
 
 /// An edge of a triangle seen along the sweep, from its lower to its upper end.

@@ -75,12 +75,14 @@ impl Lattice {
 /// The smallest integer beyond x, at least 0, if x is further than `error` from any integer.
 #[inline]
 pub(crate) fn certain_ceiling(x: f64, error: f64) -> Option<u32> {
-    let above = if x < -1.5 { -0.5 } else { x + 1.0 };
-    let ceiling = above as i32;
-    let fraction = above - f64::from(ceiling);
-    // Below -1 the cast rounds up to 0, which is the answer there.
-    let certain = (fraction > error && 1.0 - fraction > error) || above < -error;
-    certain.then_some(ceiling as u32)
+    // Added to a number, it leaves the nearest integer in the low bits.
+    const SHIFT: f64 = (3u64 << 51) as f64;
+    let x = if x < -1.5 { -1.5 } else { x };
+    let shifted = x + SHIFT;
+    let beyond = x - (shifted - SHIFT);
+    let nearest = shifted.to_bits() as i32;
+    let certain = beyond.abs() > error && x < f64::from(1 << 30);
+    certain.then_some((nearest + i32::from(beyond > 0.0)).max(0) as u32)
 }
 
 #[cfg(test)]
