@@ -91,7 +91,7 @@ pub use error::MeshIoError;
 pub use format::MeshFormat;
 pub use gltf::{AnimationInfo, list_animations};
 pub use mask::read_mask;
-pub use npy::{NpyArray, NpyValues};
+pub use npy::{NpyArray, NpyValues, read_npy, write_npy};
 pub use npz::{read_npz, write_npz};
 pub use read::{LoadedMesh, ReadOptions, read_mesh, read_mesh_from};
 pub use write::{

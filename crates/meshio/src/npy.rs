@@ -1,9 +1,11 @@
 //! Arrays as numpy stores them: the `.npy` format, version 1.0 and later.
 
-use crate::MeshIoError;
 use crate::error::Fault;
+use crate::read::read_bytes;
+use crate::{MeshIoError, write_atomically};
 use std::borrow::Cow;
 use std::io::{self, Write};
+use std::path::Path;
 
 /// An array of numbers with its shape, last axis fastest.
 ///
@@ -85,6 +87,25 @@ impl<'a> NpyArray<'a> {
 
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
 
+/// Reads a file of `numpy.save`: the array, and whether its *first* axis is the fastest (numpy's
+/// Fortran order) instead of the last. `bool` is read as 0 and 1.
+///
+/// # Errors
+/// [`MeshIoError::Read`]; [`MeshIoError::Invalid`] for a broken or truncated file;
+/// [`MeshIoError::Unsupported`] for other types of numbers, big-endian ones included.
+pub fn read_npy(path: &Path) -> Result<(NpyArray<'static>, bool), MeshIoError> {
+    let stored = parse(&read_bytes(path)?).map_err(|fault| fault.in_file(path))?;
+    Ok((stored.array, stored.first_axis_fastest))
+}
+
+/// Writes an array as a file that `numpy.load` opens.
+///
+/// # Errors
+/// [`MeshIoError::Write`].
+pub fn write_npy(path: &Path, array: &NpyArray) -> Result<(), MeshIoError> {
+    write_atomically(path, |out| array.write(out))
+}
+
 fn product(shape: &[usize]) -> Option<usize> {
     shape.iter().try_fold(1usize, |n, &axis| n.checked_mul(axis))
 }
@@ -152,6 +173,12 @@ macro_rules! values {
 values! {
     /// numpy's `uint8`; `bool` is read as 0 and 1.
     U8(u8) = "|u1";
+    /// numpy's `int8`.
+    I8(i8) = "|i1";
+    /// numpy's `uint16`.
+    U16(u16) = "<u2";
+    /// numpy's `int16`.
+    I16(i16) = "<i2";
     /// numpy's `int32`.
     I32(i32) = "<i4";
     /// numpy's `uint32`.
@@ -210,8 +237,8 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Stored, Fault> {
         Fault::unsupported(
             None,
             format!(
-                "an array of type {descriptor} is not supported; convert it with .astype to bool, uint8, int32, \
-                 uint32, int64, float32 or float64"
+                "an array of type {descriptor} is not supported; convert it with .astype to bool, int8, uint8, \
+                 int16, uint16, int32, uint32, int64, float32 or float64"
             ),
         )
     })?;
@@ -249,6 +276,9 @@ mod tests {
             NpyArray::new(&[2, 1, 2], vec![0.1, f64::NAN.min(2.0), -0.0, 1e300]).unwrap(),
             NpyArray::new(&[0, 3], Vec::<f32>::new()).unwrap(),
             NpyArray::flat(vec![0u8, 255]),
+            NpyArray::flat(vec![-1i8, 2]),
+            NpyArray::flat(vec![-300i16, 2]),
+            NpyArray::flat(vec![u16::MAX, 2]),
         ] {
             let mut bytes = Vec::new();
             array.write(&mut bytes).unwrap();

@@ -1,0 +1,92 @@
+use crate::VolumeFormat;
+use std::path::{Path, PathBuf};
+
+/// Why a volume could not be read or written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum VolumeIoError {
+    /// The operating system refused to read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// The extension belongs to no known format.
+    #[error("{}: unknown file extension for a volume; known are {}", path.display(), VolumeFormat::LIST)]
+    UnknownFormat {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The contents break the format's rules, or hold no usable volume.
+    #[error("{}: {reason}", path.display())]
+    Invalid {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong and what to do.
+        reason: String,
+    },
+    /// The contents are legal, but of a variant that is not read or cannot be written.
+    #[error("{}: {reason}", path.display())]
+    Unsupported {
+        /// The file.
+        path: PathBuf,
+        /// What is not supported and what to do.
+        reason: String,
+    },
+    /// The parts of a volume do not fit together.
+    #[error("{reason}")]
+    BadVolume {
+        /// What is wrong.
+        reason: String,
+    },
+    /// A NumPy file could not be read, or a file not be written.
+    #[error(transparent)]
+    File(#[from] mser3d_meshio::MeshIoError),
+}
+
+/// What a parser finds wrong, before the path is known.
+#[derive(Debug)]
+pub(crate) enum Fault {
+    Io(std::io::Error),
+    Invalid(String),
+    Unsupported(String),
+}
+
+impl Fault {
+    pub fn invalid(reason: impl Into<String>) -> Self {
+        Self::Invalid(reason.into())
+    }
+
+    pub fn unsupported(reason: impl Into<String>) -> Self {
+        Self::Unsupported(reason.into())
+    }
+
+    pub fn in_file(self, path: &Path) -> VolumeIoError {
+        let path = path.to_path_buf();
+        match self {
+            Self::Io(source) => VolumeIoError::Read { path, source },
+            Self::Invalid(reason) => VolumeIoError::Invalid { path, reason },
+            Self::Unsupported(reason) => VolumeIoError::Unsupported { path, reason },
+        }
+    }
+}
+
+/// Bytes that cannot be unpacked are the file's fault.
+impl From<std::io::Error> for Fault {
+    fn from(error: std::io::Error) -> Self {
+        use std::io::ErrorKind::{InvalidData, InvalidInput, UnexpectedEof};
+        match error.kind() {
+            UnexpectedEof => Self::invalid("the file ends too early; copy or export it again"),
+            InvalidData | InvalidInput => Self::invalid(format!("damaged data: {error}")),
+            _ => Self::Io(error),
+        }
+    }
+}
+
+impl From<VolumeIoError> for Fault {
+    fn from(error: VolumeIoError) -> Self {
+        Self::invalid(error.to_string())
+    }
+}

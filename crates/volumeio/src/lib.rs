@@ -1,0 +1,42 @@
+//! Grey-value volumes and voxel masks from files and back: NumPy arrays, NIfTI, NRRD, TIFF stacks.
+//!
+//! A [`Volume`] is a box of voxels, x fastest, each with one value or with several channels, and a
+//! [`Placement`] that says where it lies. [`read_volume`] takes the format from the file's name.
+//!
+//! | format | read | written |
+//! |---|---|---|
+//! | NumPy `.npy` | `array[x, y]`, `[x, y, z]` or `[x, y, z, channel]`, both memory orders | the same |
+//! | NIfTI `.nii`, `.nii.gz` | versions 1 and 2, both byte orders, scaled values | version 1 |
+//! | NRRD `.nrrd` | raw, gzip and ASCII, in one file | no |
+//! | TIFF `.tif`, `.tiff` | a page for each z; uncompressed, LZW, Deflate, PackBits | no |
+//!
+//! ```
+//! use mser3d_volumeio::{Placement, Values, Volume, read_volume, write_nifti};
+//!
+//! let placement = Placement { spacing: [0.5, 0.5, 2.0], ..Default::default() };
+//! let volume = Volume::new([2, 2, 1], 1, placement, Values::U8(vec![0, 7, 0, 255]))?;
+//! # let folder = std::env::temp_dir().join(format!("mser3d-volumeio-{}", std::process::id()));
+//! # std::fs::create_dir_all(&folder)?;
+//! let path = folder.join("small.nii.gz");
+//! write_nifti(&path, &volume)?;
+//! assert_eq!(read_volume(&path)?, volume);
+//! # std::fs::remove_dir_all(&folder)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+#![warn(missing_docs)]
+
+mod error;
+mod format;
+mod nifti;
+mod npy;
+mod nrrd;
+mod samples;
+mod tiff;
+mod volume;
+
+pub use error::VolumeIoError;
+pub use format::{VolumeFormat, read_volume};
+pub use nifti::write_nifti;
+pub use npy::write_npy;
+pub use samples::Values;
+pub use volume::{Placement, Volume};
