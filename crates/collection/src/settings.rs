@@ -31,7 +31,9 @@ impl DescriptorSettings {
     /// [`CollectionError::Incomplete`] when it does not tell.
     pub fn of(record: &Record, folder: &Path) -> Result<Self, CollectionError> {
         let parameters = record.more.get("parameters").unwrap_or(&Value::Null);
-        let found = parameters["spectrum"]["eigenpairs"].as_u64().zip(parameters["descriptor"].as_object());
+        // A small shape has fewer than were asked for.
+        let spectrum = record.more.get("spectrum").unwrap_or(&parameters["spectrum"]);
+        let found = spectrum["eigenpairs"].as_u64().zip(parameters["descriptor"].as_object());
         let Some((eigenpairs, descriptor)) = found else {
             let what = "regions.json does not tell how the descriptors were made".to_owned();
             return Err(CollectionError::Incomplete { folder: folder.to_owned(), what });

@@ -137,6 +137,7 @@ impl Work for Detection<'_> {
     }
 
     fn run(&self, job: &Job, input: Input, folder: &Path) -> Result<(), String> {
+        let _shape = tracing::info_span!("shape", name = job.name).entered();
         let meter = Meter::new(true);
         let done = detect_into(folder, &input, &input_of(job), self.options, self.parameters, &meter);
         done.map(drop).map_err(|e| e.to_string())

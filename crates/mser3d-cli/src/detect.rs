@@ -1,5 +1,6 @@
 //! `mser3d detect`: from a file to its regions.
 
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 use mser3d::shape::{Frame, TriangleMesh, VoxelGrid};
@@ -63,7 +64,7 @@ pub fn run(args: &DetectArgs) -> Result<(), CliError> {
 
 /// Finds the regions of an input and writes them to a folder.
 pub fn detect_into(
-    folder: &Path,
+    path: &Path,
     input: &Input,
     args: &InputArgs,
     options: &RegionOptions,
@@ -72,22 +73,35 @@ pub fn detect_into(
 ) -> Result<(Features, Report), CliError> {
     let subject = Subject::of(input, options)?;
     let cache = options.cache.as_deref().map(SpectrumCache::open).transpose()?;
-    let folder = OutputFolder::create(folder)?;
-    let spectrum = |body: &Body, parameters: &SpectrumParameters, progress: ProgressFn| match &cache {
-        None => body.spectrum(parameters, progress),
-        Some(cache) => {
-            let (spectrum, used) = cache.spectrum(body, parameters, progress)?;
-            if let CacheUse::Trouble(what) = used {
-                meter.warn(&what);
+    let folder = OutputFolder::create(path)?;
+    let notes = RefCell::new(Vec::from_iter(subject.warning()));
+    let spectrum = |body: &Body, parameters: &SpectrumParameters, progress: ProgressFn| {
+        let parameters = match options.eigenpairs {
+            None if parameters.eigenpairs > body.len() => {
+                notes.borrow_mut().push(format!(
+                    "there are only {0} eigenpairs in so small a shape, not {1}; its descriptors compare only \
+                     with those of shapes with --eigenpairs {0}",
+                    body.len(),
+                    parameters.eigenpairs
+                ));
+                SpectrumParameters { eigenpairs: body.len(), ..parameters.clone() }
             }
-            Ok(spectrum)
+            _ => parameters.clone(),
+        };
+        let Some(cache) = &cache else { return body.spectrum(&parameters, progress) };
+        let (spectrum, used) = cache.spectrum(body, &parameters, progress)?;
+        tracing::info!(?used, "asked the cache of spectra");
+        if let CacheUse::Trouble(what) = used {
+            meter.warn(&what);
         }
+        Ok(spectrum)
     };
     let result = subject.features(options.domain(), parameters, &spectrum, meter);
     meter.finish();
     let features = result.map_err(|source| CliError::Shape { path: input.path.clone(), source })?;
-    let report = Report::new(input, args, parameters, &features, subject.warning(), meter);
+    let report = Report::new(input, args, parameters, &features, notes.into_inner(), meter);
     folder.write(input, &features, &report)?;
+    tracing::info!(folder = %path.display(), "wrote");
     Ok((features, report))
 }
 
@@ -139,10 +153,10 @@ impl<'a> Subject<'a> {
         }
     }
 
-    fn warning(self) -> Option<String> {
+    fn warning(&self) -> Option<String> {
         match self {
             Self::Mesh(_) => None,
-            Self::Solid(_, warning) => warning,
+            Self::Solid(_, warning) => warning.clone(),
         }
     }
 }

@@ -56,7 +56,11 @@ impl Input {
             let format = MeshFormat::of(path, &bytes)?;
             Contents::Mesh(Box::new(read_mesh_from(format, &bytes, path, &options)?))
         };
-        Ok(Self { path: path.clone(), sha256, bytes: bytes.len() as u64, contents })
+        let input = Self { path: path.clone(), sha256, bytes: bytes.len() as u64, contents };
+        let counts = input.mesh().map(|mesh| (mesh.vertices().len(), mesh.triangles().len()));
+        let (vertices, triangles) = counts.unzip();
+        tracing::info!(path = %path.display(), format = input.format(), vertices, triangles, "read");
+        Ok(input)
     }
 
     pub fn mesh(&self) -> Option<&TriangleMesh> {

@@ -5,8 +5,11 @@
 mod batch;
 mod detect;
 mod error;
+mod export;
+mod generate;
 mod input;
 mod inspect;
+mod log;
 mod machine;
 mod matching;
 mod options;
@@ -15,12 +18,13 @@ mod progress;
 mod query;
 mod render;
 mod table;
+mod version;
 mod view;
 
 use std::io::ErrorKind;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{ArgAction, Parser, Subcommand};
 
 use crate::error::CliError;
 
@@ -30,11 +34,15 @@ use crate::error::CliError;
 #[command(
     name = "mser3d",
     version,
+    long_version = version::long(),
     propagate_version = true,
     max_term_width = 110,
     allow_negative_numbers = true
 )]
 struct Cli {
+    /// Log the stages on stderr; -vv their details too; without it RUST_LOG decides
+    #[arg(short, long, global = true, action = ArgAction::Count, display_order = 900)]
+    verbose: u8,
     #[command(subcommand)]
     command: Command,
 }
@@ -49,6 +57,8 @@ enum Command {
     Inspect(inspect::InspectArgs),
     /// Draw a result as a PNG picture; no display needed
     Render(render::RenderArgs),
+    /// Write a result as one file for Blender, browsers, MeshLab or ParaView
+    Export(export::ExportArgs),
     /// Make one HTML page of a result, to turn and explore in a browser
     View(view::ViewArgs),
     /// Find out which regions of two shapes are the same
@@ -57,19 +67,26 @@ enum Command {
     Batch(Box<batch::BatchArgs>),
     /// Find the regions of a collection that are most like those of a shape
     Query(query::QueryArgs),
+    /// Print completions for a shell
+    Completions(generate::CompletionsArgs),
+    /// Write manual pages
+    Man(generate::ManArgs),
 }
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    let result = match &cli.command {
+    let result = log::start(cli.verbose).and_then(|()| match &cli.command {
         Command::Detect(args) => detect::run(args),
         Command::Inspect(args) => inspect::run(args),
         Command::Render(args) => render::run(args),
+        Command::Export(args) => export::run(args),
         Command::View(args) => view::run(args),
         Command::Match(args) => matching::run(args),
         Command::Batch(args) => batch::run(args),
         Command::Query(args) => query::run(args),
-    };
+        Command::Completions(args) => generate::completions(args),
+        Command::Man(args) => generate::man(args),
+    });
     match result {
         Ok(()) => ExitCode::SUCCESS,
         // Who closed the pipe, as `head` does, has read enough.

@@ -67,9 +67,9 @@ pub struct RegionOptions {
     #[arg(long, help_heading = "Voxels")]
     pub no_cut_links: bool,
 
-    /// Smallest eigenpairs of the Laplacian
-    #[arg(long, value_name = "K", value_parser = count, default_value_t = 100, help_heading = "Spectrum")]
-    pub eigenpairs: usize,
+    /// Smallest eigenpairs of the Laplacian [default: 100, or as many as a small shape has]
+    #[arg(long, value_name = "K", value_parser = count, help_heading = "Spectrum")]
+    pub eigenpairs: Option<usize>,
     /// Largest relative residual of an eigenpair
     #[arg(long, value_name = "R", default_value = "1e-9", help_heading = "Spectrum")]
     pub tolerance: f64,
@@ -176,7 +176,7 @@ impl RegionOptions {
             OverlapArg::Join => Overlap::Join,
         };
         p.voxelize.cut_links = !self.no_cut_links;
-        p.spectrum.eigenpairs = self.eigenpairs;
+        p.spectrum.eigenpairs = self.eigenpairs.unwrap_or(p.spectrum.eigenpairs);
         p.spectrum.tolerance = self.tolerance;
         p.spectrum.solver = match self.solver {
             SolverArg::Auto => Eigensolver::Auto,

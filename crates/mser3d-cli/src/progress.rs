@@ -9,7 +9,13 @@ use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use mser3d::{Progress, Stage};
 use mser3d_collection::{Event, Outcome};
 
+use crate::log;
 use crate::machine::peak_memory;
+
+/// Bars are for terminals, and for users who asked neither for quiet nor for a log.
+fn target(quiet: bool) -> ProgressDrawTarget {
+    if quiet || log::is_on() { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() }
+}
 
 /// Listens to [`mser3d::detect`].
 pub struct Meter {
@@ -20,8 +26,7 @@ pub struct Meter {
 impl Meter {
     /// Draws on stderr if that is a terminal and the user did not ask for quiet.
     pub fn new(quiet: bool) -> Self {
-        let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        let bar = ProgressBar::with_draw_target(Some(1), target);
+        let bar = ProgressBar::with_draw_target(Some(1), target(quiet));
         if let Ok(style) = ProgressStyle::with_template("{msg:12} [{bar:30}] {pos}/{len} {elapsed}") {
             bar.set_style(style.progress_chars("=> "));
         }
@@ -74,8 +79,7 @@ pub struct BatchMeter {
 
 impl BatchMeter {
     pub fn new(quiet: bool) -> Self {
-        let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        let bar = ProgressBar::with_draw_target(None, target);
+        let bar = ProgressBar::with_draw_target(None, target(quiet));
         if let Ok(style) = ProgressStyle::with_template("[{bar:30}] {pos}/{len} shapes {elapsed}{msg}") {
             bar.set_style(style.progress_chars("=> "));
         }

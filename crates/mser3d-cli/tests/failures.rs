@@ -60,7 +60,11 @@ fn solids_that_are_none_fail() {
         (write("box4.off", unit.as_bytes()), "--pitch 1e-9", &["use a pitch of at least"]),
         (write("box5.off", unit.as_bytes()), "--animation walk", &["no animation \"walk\""]),
         (write("none.npy", &npy([4, 4, 4], |_, _, _| false)), "", &["zero everywhere"]),
-        (write("few.npy", &npy([4, 4, 4], |_, _, _| true)), "", &["100 eigenpairs", "only 64"]),
+        (
+            write("few.npy", &npy([4, 4, 4], |_, _, _| true)),
+            "--eigenpairs 100",
+            &["100 eigenpairs", "only 64"],
+        ),
     ] {
         let name = path.display().to_string();
         let limit = if options.contains("40000") { " --memory-limit 1000" } else { "" };
@@ -68,6 +72,29 @@ fn solids_that_are_none_fail() {
         assert_fails(&output, 1, &[words, &[&name]].concat());
         assert!(!out.exists(), "{name}");
     }
+}
+
+#[test]
+fn a_small_shape_has_fewer_eigenpairs_than_is_usual() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    fs::write(path("few.npy"), npy([9, 3, 3], |_, _, _| true)).unwrap();
+    let output = detect(&path("few.npy"), &path("few"), "");
+    assert!(output.status.success());
+    assert!(text(&output.stderr).contains("only 81 eigenpairs in so small a shape"), "{output:?}");
+    let report = json(&path("few/regions.json"));
+    assert_eq!(
+        (&report["spectrum"]["eigenpairs"], &report["warnings"].as_array().unwrap().len()),
+        (&81.into(), &1)
+    );
+    // What was said compares with it is not refused.
+    fs::write(path("more.npy"), npy([20, 4, 4], |_, _, _| true)).unwrap();
+    let matches = |options: &str| {
+        assert!(detect(&path("more.npy"), &path("more"), options).status.success());
+        mser3d(["match".as_ref(), path("few").as_os_str(), path("more").as_os_str()])
+    };
+    assert_fails(&matches(""), 1, &["--eigenpairs 81 against 100"]);
+    assert!(matches("--eigenpairs 81").status.success());
 }
 
 #[test]

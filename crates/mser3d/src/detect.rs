@@ -108,6 +108,14 @@ pub fn detect_using(
             let (body, voxelization) = Body::volume(mesh, &parameters.voxelize)?;
             let seconds = start.elapsed().as_secs_f64();
             report(progress, Stage::Voxelize, 1, 1)?;
+            tracing::info!(
+                voxels = body.len(),
+                pitch = voxelization.grid.frame().spacing()[0],
+                method = ?voxelization.method,
+                cut_links = voxelization.cut_links,
+                seconds,
+                "voxelized"
+            );
             let mut features = detect_on_using(body, parameters, spectrum, progress)?;
             features.voxelization = Some(voxelization);
             features.times.insert(0, StageTime { stage: Stage::Voxelize, seconds });
@@ -138,17 +146,28 @@ pub fn detect_on_using(
     let mut times = Vec::new();
     let mut start = Instant::now();
     let mut lap = |stage| {
-        times.push(StageTime { stage, seconds: start.elapsed().as_secs_f64() });
+        let seconds = start.elapsed().as_secs_f64();
+        times.push(StageTime { stage, seconds });
         start = Instant::now();
+        seconds
     };
     let Spectrum { basis, report: spectrum } = spectrum(&body, &parameters.spectrum, progress)?;
-    lap(Stage::Spectrum);
+    let seconds = lap(Stage::Spectrum);
+    tracing::info!(
+        eigenpairs = basis.eigenvalues().len(),
+        solver = spectrum.solver,
+        residual = spectrum.residual,
+        seconds,
+        "solved"
+    );
     let Found { regions, trees, duplicates } = find_regions(&body, &basis, parameters, progress)?;
-    lap(Stage::Regions);
+    let seconds = lap(Stage::Regions);
+    tracing::info!(regions = regions.len(), trees = trees.len(), duplicates, seconds, "found regions");
     report(progress, Stage::Descriptors, 0, regions.len())?;
     let descriptors = describe(&basis, &regions, parameters)?;
     report(progress, Stage::Descriptors, regions.len(), regions.len())?;
-    lap(Stage::Descriptors);
+    let seconds = lap(Stage::Descriptors);
+    tracing::info!(regions = regions.len(), seconds, "described regions");
     let voxelization = None;
     Ok(Features { body, voxelization, basis, spectrum, regions, descriptors, trees, duplicates, times })
 }

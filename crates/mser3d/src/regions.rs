@@ -81,6 +81,9 @@ pub fn find_regions(
         let time = time_scale.map(|scale| scale.with_unit(unit_time)).transpose()?;
         let tree = component_tree(body, basis, parameters.weight, time.unwrap_or_default(), polarity)?;
         let selection = stable_regions(&tree, &parameters.stability)?;
+        let report = &selection.report;
+        let (nodes, candidates, kept) = (report.nodes, report.candidates, report.kept);
+        tracing::debug!(time, nodes, candidates, kept, "component tree");
         trees.push(Tree { time_scale, time, tree, selection });
     }
     let selections: Vec<(&ComponentTree, &Selection)> =

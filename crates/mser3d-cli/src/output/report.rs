@@ -4,7 +4,7 @@ use mser3d::comptree::{AltitudeScale, Mode, Polarity};
 use mser3d::descriptors::TimeScale;
 use mser3d::shape::Connectivity;
 use mser3d::spectral::Eigensolver;
-use mser3d::voxelize::{Diagnosis, Method, Morphology, Overlap, Pitch, diagnose};
+use mser3d::voxelize::{Diagnosis, Method, Morphology, Overlap, Pitch, VoxelizeParameters, diagnose};
 use mser3d::{Descriptor, Domain, Features, Parameters, Weight};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -116,7 +116,7 @@ impl Report {
         args: &InputArgs,
         parameters: &Parameters,
         features: &Features,
-        warning: Option<String>,
+        notes: Vec<String>,
         meter: &Meter,
     ) -> Self {
         let diagnosis = input.mesh().map(diagnose);
@@ -137,7 +137,7 @@ impl Report {
                 diagnosis: diagnosis.as_ref().map(DiagnosisReport::new),
             },
             domain: domain_name(features.body.domain()),
-            parameters: parameters_json(parameters),
+            parameters: parameters_json(input, features.body.domain(), parameters),
             voxelization: voxelization_json(features),
             spectrum: json!({
                 "solver": features.spectrum.solver,
@@ -151,7 +151,7 @@ impl Report {
             }),
             trees: features.trees.iter().map(tree_json).collect(),
             duplicates: features.duplicates,
-            warnings: loaded_notes.into_iter().chain(warning).chain(solid_warnings).collect(),
+            warnings: loaded_notes.into_iter().chain(notes).chain(solid_warnings).collect(),
             regions: regions(features),
             run: RunReport {
                 threads: rayon::current_num_threads(),
@@ -253,41 +253,18 @@ pub fn identity(input: &Input, args: &InputArgs, domain: Domain, parameters: &Pa
             "time": args.time,
         },
         "domain": domain_name(domain),
-        "parameters": parameters_json(parameters),
+        "parameters": parameters_json(input, domain, parameters),
     })
 }
 
-/// Every parameter used, also those that the command line has no option for.
-fn parameters_json(p: &Parameters) -> Value {
+/// Every parameter that the result depends on, also those that the command line has no option for.
+fn parameters_json(input: &Input, domain: Domain, p: &Parameters) -> Value {
     let (mode, window) = match p.stability.mode {
         Mode::Windowed { window } => ("windowed", Some(window)),
         Mode::Paper => ("paper", None),
         Mode::Baseline => ("baseline", None),
     };
-    json!({
-        "voxelize": {
-            "pitch": match p.voxelize.pitch {
-                Pitch::Voxels(n) => json!({"voxels": n}),
-                Pitch::Resolution(n) => json!({"resolution": n}),
-                Pitch::Size(h) => json!({"size": h}),
-            },
-            "method": method_name(p.voxelize.method),
-            "overlap": match p.voxelize.overlap {
-                Overlap::Auto => "auto",
-                Overlap::Part => "part",
-                Overlap::Join => "join",
-            },
-            "cut_links": p.voxelize.cut_links,
-            "connectivity": match p.voxelize.connectivity {
-                Connectivity::Six => 6,
-                Connectivity::TwentySix => 26,
-            },
-            "morphology": p.voxelize.morphology.map(|m| match m {
-                Morphology::Open => "open",
-                Morphology::Close => "close",
-            }),
-            "largest_only": p.voxelize.largest_only,
-        },
+    let mut json = json!({
         "spectrum": {
             "eigenpairs": p.spectrum.eigenpairs,
             "tolerance": p.spectrum.tolerance,
@@ -338,7 +315,46 @@ fn parameters_json(p: &Parameters) -> Value {
                 "times": d.times.iter().copied().map(time_scale_json).collect::<Vec<_>>(),
             }),
         },
-    })
+    });
+    if domain == Domain::Volume {
+        json["voxelize"] = voxelize_json(&p.voxelize, input.mesh().is_some());
+    }
+    json
+}
+
+/// A mask is voxels already: of it only their size, if it was given, and their neighbours are left to say.
+fn voxelize_json(p: &VoxelizeParameters, from_mesh: bool) -> Value {
+    let mut json = json!({
+        "connectivity": match p.connectivity {
+            Connectivity::Six => 6,
+            Connectivity::TwentySix => 26,
+        },
+    });
+    let pitch = match p.pitch {
+        Pitch::Voxels(n) => json!({"voxels": n}),
+        Pitch::Resolution(n) => json!({"resolution": n}),
+        Pitch::Size(h) => json!({"size": h}),
+    };
+    if from_mesh || pitch.get("size").is_some() {
+        json["pitch"] = pitch;
+    }
+    if from_mesh {
+        json["method"] = method_name(p.method).into();
+        json["overlap"] = match p.overlap {
+            Overlap::Auto => "auto",
+            Overlap::Part => "part",
+            Overlap::Join => "join",
+        }
+        .into();
+        json["cut_links"] = p.cut_links.into();
+        json["morphology"] = match p.morphology {
+            None => Value::Null,
+            Some(Morphology::Open) => "open".into(),
+            Some(Morphology::Close) => "close".into(),
+        };
+        json["largest_only"] = p.largest_only.into();
+    }
+    json
 }
 
 fn time_scale_json(scale: TimeScale) -> Value {
