@@ -41,8 +41,9 @@ fn advice(error: &mser3d::Error) -> &'static str {
 
 impl CliError {
     pub fn exit_code(&self) -> ExitCode {
-        let wrong_option =
-            |e: &ResultsError| matches!(e, ResultsError::Viewer(ViewerError::BadOption { .. }));
+        let wrong_option = |e: &ResultsError| {
+            matches!(e, ResultsError::Viewer(ViewerError::BadOption { .. }) | ResultsError::Export { .. })
+        };
         let wrong_use = match self {
             Self::Usage(_) => true,
             Self::Results(error) => wrong_option(error),
