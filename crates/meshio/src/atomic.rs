@@ -7,6 +7,8 @@ use std::path::Path;
 /// which takes the name when it is complete. After an error or a crash, what was at `path` before
 /// is still there. (A process that is killed leaves `.NAME.*.partial` behind.)
 ///
+/// A link is followed, and stays. What is no file, such as a pipe or `/dev/stdout`, is written to as it is.
+///
 /// ```
 /// use std::io::Write;
 /// # let folder = std::env::temp_dir().join(format!("mser3d-atomic-{}", std::process::id()));
@@ -25,6 +27,15 @@ pub fn write_atomically(
     write: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
 ) -> Result<(), MeshIoError> {
     let attempt = || {
+        let there = std::fs::metadata(path).ok().map(|found| found.file_type());
+        if there.is_some_and(|kind| !kind.is_file() && !kind.is_dir()) {
+            let device = File::options().write(true).open(path)?;
+            let mut out = BufWriter::with_capacity(1 << 16, &device);
+            write(&mut out)?;
+            return out.flush();
+        }
+        let target = if path.is_symlink() { path.canonicalize()? } else { path.to_owned() };
+        let path = target.as_path();
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let prefix = format!(".{name}.");
@@ -62,6 +73,25 @@ mod tests {
         assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1);
         assert!(write_atomically(&folder.path().join("none/b"), |_| Ok(())).is_err());
         assert!(write_atomically(folder.path(), |_| Ok(())).is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_and_devices_stay_what_they_are() {
+        use std::os::unix::fs::{FileTypeExt, symlink};
+        let folder = tempfile::tempdir().unwrap();
+        let (file, link) = (folder.path().join("file"), folder.path().join("link"));
+        std::fs::write(&file, "old").unwrap();
+        symlink(&file, &link).unwrap();
+        write_atomically(&link, |out| out.write_all(b"new")).unwrap();
+        assert_eq!(std::fs::read(&file).unwrap(), b"new");
+        assert!(link.is_symlink());
+        // A socket stands for all that is no file: it cannot be opened, but must not be replaced either.
+        let socket = folder.path().join("socket");
+        let _listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
+        assert!(write_atomically(&socket, |out| out.write_all(b"file")).is_err());
+        assert!(std::fs::metadata(&socket).unwrap().file_type().is_socket());
+        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 3);
     }
 
     #[cfg(unix)]
