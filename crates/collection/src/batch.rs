@@ -205,7 +205,7 @@ fn failed(folder: &CollectionFolder, job: &Job, why: String) -> Result<Outcome, 
     let partial = folder.begin(&job.name)?;
     let failure = json!({
         "name": job.name,
-        "path": job.path,
+        "path": job.path.to_string_lossy(),
         "animation": job.animation,
         "time": job.time,
         "error": why,

@@ -3,12 +3,11 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use mser3d_meshio::{AnimationInfo, MeshFormat, list_animations};
-use serde::Serialize;
 
 use crate::CollectionError;
 
 /// One shape of a batch.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Job {
     /// The name of its result in the collection: unique, whatever the file system's case.
     pub name: String,
@@ -41,7 +40,7 @@ pub struct Frames {
 /// # Errors
 /// [`CollectionError::Input`] when an input names nothing; [`CollectionError::Mesh`] for an animation
 /// that cannot be read. A file of a list that is not there is left to fail on its own.
-pub fn plan(inputs: &[String], frames: Option<&Frames>) -> Result<Vec<Job>, CollectionError> {
+pub fn plan(inputs: &[PathBuf], frames: Option<&Frames>) -> Result<Vec<Job>, CollectionError> {
     let mut paths = Vec::new();
     for input in inputs {
         paths.extend(expand(input)?);
@@ -59,9 +58,8 @@ pub fn plan(inputs: &[String], frames: Option<&Frames>) -> Result<Vec<Job>, Coll
     Ok(jobs)
 }
 
-fn expand(input: &str) -> Result<Vec<PathBuf>, CollectionError> {
-    let path = Path::new(input);
-    let fail = |problem: String| CollectionError::Input { input: input.to_owned(), problem };
+fn expand(path: &Path) -> Result<Vec<PathBuf>, CollectionError> {
+    let fail = |problem: String| CollectionError::Input { input: path.display().to_string(), problem };
     let found = if path.is_dir() {
         let entries = std::fs::read_dir(path).map_err(CollectionError::io(path))?;
         let files = entries.map(|e| Ok(e.map_err(CollectionError::io(path))?.path()));
@@ -83,8 +81,8 @@ fn expand(input: &str) -> Result<Vec<PathBuf>, CollectionError> {
         files
     } else if path.exists() {
         vec![path.to_owned()]
-    } else if input.contains(['*', '?', '[']) {
-        let matches = glob::glob(input).map_err(|e| fail(format!("not a pattern: {e}")))?;
+    } else if let Some(pattern) = path.to_str().filter(|text| text.contains(['*', '?', '['])) {
+        let matches = glob::glob(pattern).map_err(|e| fail(format!("not a pattern: {e}")))?;
         // A folder that cannot be read holds nothing for us.
         let files: Vec<PathBuf> = matches.flatten().filter(|file| is_shape(file)).collect();
         if files.is_empty() {
@@ -260,8 +258,7 @@ mod tests {
         }
         let list = folder.path().join("list.txt");
         std::fs::write(&list, "b.off\n\nmissing.stl\r\n").unwrap();
-        let text = |path: &Path| path.to_string_lossy().into_owned();
-        let inputs = [text(folder.path()), text(&folder.path().join("*.o*")), text(&list)];
+        let inputs = [folder.path().to_owned(), folder.path().join("*.o*"), list];
         let jobs = plan(&inputs, None).unwrap();
         let names: Vec<&str> = jobs.iter().map(|j| j.name.as_str()).collect();
         assert_eq!(names, ["a", "b", "mask", "missing"]);
@@ -270,11 +267,10 @@ mod tests {
     #[test]
     fn inputs_that_name_nothing_are_errors() {
         let folder = tempfile::tempdir().unwrap();
-        let text = folder.path().to_string_lossy().into_owned();
         for (input, problem) in [
-            (text.clone(), "no shapes in this folder"),
-            (format!("{text}/*.off"), "no shapes match"),
-            (format!("{text}/x.off"), "no such file"),
+            (folder.path().to_owned(), "no shapes in this folder"),
+            (folder.path().join("*.off"), "no shapes match"),
+            (folder.path().join("x.off"), "no such file"),
         ] {
             let error = plan(&[input], None).unwrap_err().to_string();
             assert!(error.contains(problem), "{error}");

@@ -23,7 +23,7 @@ pub struct BatchArgs {
     /// Shapes: files, folders, patterns ("scans/*.ply"), or lists (.txt, one path a line, relative to the
     /// list)
     #[arg(required_unless_present = "merge", conflicts_with = "merge")]
-    pub inputs: Vec<String>,
+    pub inputs: Vec<PathBuf>,
     /// Folder of the collection; made if it isn't there
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,

@@ -10,6 +10,7 @@ use mser3d_collection::{CacheUse, SpectrumCache};
 
 use crate::error::CliError;
 use crate::input::{Contents, Input, InputArgs};
+use crate::interrupt;
 use crate::options::{RegionOptions, use_threads};
 use crate::output::{OutputFolder, Report};
 use crate::progress::Meter;
@@ -42,6 +43,7 @@ pub struct DetectArgs {
 
 pub fn run(args: &DetectArgs) -> Result<(), CliError> {
     use_threads(args.threads)?;
+    interrupt::listen();
     let parameters = args.options.parameters()?;
     let input = Input::read(&args.input)?;
     let meter = Meter::new(args.quiet);
@@ -98,7 +100,10 @@ pub fn detect_into(
     };
     let result = subject.features(options.domain(), parameters, &spectrum, meter);
     meter.finish();
-    let features = result.map_err(|source| CliError::Shape { path: input.path.clone(), source })?;
+    let features = result.map_err(|source| match source {
+        mser3d::Error::Cancelled => CliError::Interrupted,
+        source => CliError::Shape { path: input.path.clone(), source },
+    })?;
     let report = Report::new(input, args, parameters, &features, notes.into_inner(), meter);
     folder.write(input, &features, &report)?;
     tracing::info!(folder = %path.display(), "wrote");

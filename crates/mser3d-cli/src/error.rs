@@ -22,6 +22,8 @@ pub enum CliError {
     Shape { path: PathBuf, source: mser3d::Error },
     #[error("{}: cannot be used as output folder: {source}; choose another with -o", path.display())]
     OutputFolder { path: PathBuf, source: std::io::Error },
+    #[error("interrupted; nothing was written")]
+    Interrupted,
     /// A batch went through, but not with all shapes.
     #[error("{0}")]
     Incomplete(String),
@@ -50,6 +52,11 @@ impl CliError {
             Self::Collection(error) => matches!(error, CollectionError::BadParameter { .. }),
             _ => false,
         };
-        ExitCode::from(if wrong_use { 2 } else { 1 })
+        ExitCode::from(match self {
+            // As shells report a program that ended by SIGINT.
+            Self::Interrupted => 130,
+            _ if wrong_use => 2,
+            _ => 1,
+        })
     }
 }

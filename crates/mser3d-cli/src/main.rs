@@ -9,6 +9,7 @@ mod export;
 mod generate;
 mod input;
 mod inspect;
+mod interrupt;
 mod log;
 mod machine;
 mod matching;
@@ -37,7 +38,9 @@ use crate::error::CliError;
     long_version = version::long(),
     propagate_version = true,
     max_term_width = 110,
-    allow_negative_numbers = true
+    allow_negative_numbers = true,
+    after_help = "First steps: mser3d detect body.off -o out, then mser3d view out.\n\
+                  -h prints a summary of a command's options, --help explains their values."
 )]
 struct Cli {
     /// Log the stages on stderr; -vv their details too; without it RUST_LOG decides
@@ -68,8 +71,12 @@ enum Command {
     /// Find the regions of a collection that are most like those of a shape
     Query(query::QueryArgs),
     /// Print completions for a shell
+    #[command(
+        after_help = "bash: mser3d completions bash > ~/.local/share/bash-completion/completions/mser3d"
+    )]
     Completions(generate::CompletionsArgs),
     /// Write manual pages
+    #[command(after_help = "Read them with: man DIR/mser3d-detect.1")]
     Man(generate::ManArgs),
 }
 

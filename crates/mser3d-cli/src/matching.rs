@@ -8,10 +8,11 @@ use clap::ValueEnum;
 use mser3d::descriptors::{MatchParameters, MatchRule};
 use mser3d_collection::{CollectionError, Matching, Shape, Verdict, judge, match_shapes};
 use mser3d_meshio::write_atomically;
-use mser3d_results::{Match, RenderOptions};
+use mser3d_results::{Match, RenderOptions, Results};
 use serde_json::json;
 
 use crate::error::CliError;
+use crate::render::UpAxis;
 
 #[derive(clap::Args)]
 pub struct MatchArgs {
@@ -23,7 +24,13 @@ pub struct MatchArgs {
     /// colour; made if it isn't there
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// How partners are chosen: the nearest, the nearest in both directions, or one to one
+    /// Write a page for the browser too, matches.html in the folder: both shapes side by side
+    #[arg(long, requires = "output")]
+    pub html: bool,
+    /// Axis that points up, in the picture and on the page
+    #[arg(long, value_enum, default_value_t = UpAxis::Y)]
+    pub up: UpAxis,
+    /// How partners are chosen
     #[arg(long, value_enum, default_value_t = RuleArg::Nearest)]
     pub rule: RuleArg,
     /// Ratio test: drop matches at least this times as far as the next best (off by default; on a
@@ -54,8 +61,11 @@ pub struct MatchArgs {
 
 #[derive(Clone, Copy, Debug, ValueEnum, PartialEq, Eq)]
 pub enum RuleArg {
+    /// The nearest region; several regions, such as both arms, may get the same one
     Nearest,
+    /// Only pairs that are nearest to each other
     Mutual,
+    /// No partner twice, and the sum of distances as small as can be
     OneToOne,
 }
 
@@ -81,8 +91,8 @@ pub fn run(args: &MatchArgs) -> Result<(), CliError> {
     }
     let json = json!({
         "mser3d": env!("CARGO_PKG_VERSION"),
-        "first": args.first,
-        "second": args.second,
+        "first": args.first.to_string_lossy(),
+        "second": args.second.to_string_lossy(),
         "rule": args.rule.to_possible_value().map(|v| v.get_name().to_owned()),
         "max_ratio": args.max_ratio,
         "max_distance": args.max_distance,
@@ -91,7 +101,7 @@ pub fn run(args: &MatchArgs) -> Result<(), CliError> {
     });
     let json = format!("{json:#}\n");
     if let Some(folder) = &args.output {
-        write(folder, &first, &second, &matching, &json)?;
+        write(folder, &first.results, &second.results, &matching, &json, args)?;
     }
     for warning in &matching.warnings {
         eprintln!("mser3d: warning: {warning}");
@@ -102,10 +112,11 @@ pub fn run(args: &MatchArgs) -> Result<(), CliError> {
 
 fn write(
     folder: &Path,
-    first: &Shape,
-    second: &Shape,
+    first: &Results,
+    second: &Results,
     matching: &Matching,
     json: &str,
+    args: &MatchArgs,
 ) -> Result<(), CliError> {
     let fail = |source| CliError::OutputFolder { path: folder.to_path_buf(), source };
     std::fs::create_dir_all(folder).map_err(fail)?;
@@ -115,9 +126,13 @@ fn write(
     let pairs = matching.matches.iter();
     let pairs: Vec<Match> =
         pairs.map(|m| Match { first: m.partner, second: m.region, distance: m.distance }).collect();
-    let sheet = first.results.match_sheet(&second.results, &pairs, &RenderOptions::default());
-    let sheet = sheet.map_err(CollectionError::from)?;
+    let options = RenderOptions { up: args.up.into(), ..RenderOptions::default() };
+    let sheet = first.match_sheet(second, &pairs, &options)?;
     write_atomically(&folder.join("matches.png"), |out| sheet.write_png(out).map_err(std::io::Error::other))?;
+    if args.html {
+        let title = format!("Regions of {} matched to {}", second.name(), first.name());
+        text("matches.html", &first.match_page(second, &pairs, &title, args.up.into())?)?;
+    }
     Ok(text("matches.json", json)?)
 }
 

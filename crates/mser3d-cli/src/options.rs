@@ -20,7 +20,7 @@ pub struct RegionOptions {
     #[arg(long, help_heading = "Method",
           conflicts_with_all = ["size", "connectivity", "inside", "overlap", "no_cut_links"])]
     pub surface: bool,
-    /// What the component tree is built on: heat kernel H_t(v,v), commute time, or edges 1/H_t(u,v)
+    /// What the component tree is built on
     #[arg(long, value_enum, default_value_t = WeightArg::Heat, help_heading = "Method")]
     pub weight: WeightArg,
     /// Time scales, in units of volume^(2/3) (surface: area); one tree each, regions pooled
@@ -60,7 +60,7 @@ pub struct RegionOptions {
     /// How inside is told from outside
     #[arg(long, value_enum, default_value_t = MethodArg::Auto, help_heading = "Voxels")]
     pub inside: MethodArg,
-    /// What to do where the solid overlaps itself: limbs parted, bodies joined; or force one
+    /// What to do where the solid overlaps itself
     #[arg(long, value_enum, default_value_t = OverlapArg::Auto, help_heading = "Voxels")]
     pub overlap: OverlapArg,
     /// Link all neighbours, even where the surface runs between them
@@ -83,7 +83,7 @@ pub struct RegionOptions {
     #[arg(long, value_name = "DIR", help_heading = "Spectrum")]
     pub cache: Option<PathBuf>,
 
-    /// How stable regions are chosen: windowed stability, as published, or no stability at all
+    /// How stable regions are chosen
     #[arg(long, value_enum, default_value_t = ModeArg::Windowed, help_heading = "Regions")]
     pub mode: ModeArg,
     /// Half width of the stability window, in units of (log) altitude
@@ -107,7 +107,7 @@ pub struct RegionOptions {
     /// Overlap from which regions of two time scales are one
     #[arg(long, value_name = "F", value_parser = fraction, default_value_t = 0.7, help_heading = "Regions")]
     pub duplicate_overlap: f64,
-    /// Descriptor: scale-invariant (SI-vHKS) or plain (vHKS) heat kernel signature
+    /// Heat kernel signature that describes a region
     #[arg(long, value_enum, default_value_t = DescriptorArg::SiHks, help_heading = "Regions")]
     pub descriptor: DescriptorArg,
 }
@@ -119,20 +119,74 @@ macro_rules! choices {
     };
 }
 
-choices!(WeightArg { Heat, Commute, Edge });
-choices!(PolarityArg { Sublevel, Superlevel });
+choices!(WeightArg {
+    /// The heat kernel H_t(v,v): heat that stays
+    Heat,
+    /// The commute time, which has no time scale
+    Commute,
+    /// 1/H_t(u,v) of neighbours: where heat passes badly
+    Edge,
+});
+choices!(PolarityArg {
+    /// Regions where the weight is low
+    Sublevel,
+    /// Regions where the weight is high
+    Superlevel,
+});
 choices!(ConnectivityArg {
+    /// Across faces
     #[value(name = "6")]
     Six,
+    /// Across faces, edges and corners
     #[value(name = "26")]
-    TwentySix
+    TwentySix,
 });
-choices!(MethodArg { Auto, Parity, Vote, Winding });
-choices!(OverlapArg { Auto, Part, Join });
-choices!(SolverArg { Auto, ShiftInvert, Filter });
-choices!(ModeArg { Windowed, Paper, Baseline });
-choices!(AltitudeArg { Log, Linear });
-choices!(DescriptorArg { SiHks, Hks });
+choices!(MethodArg {
+    /// What the mesh needs, as `mser3d inspect` says
+    Auto,
+    /// Crossings of rays along x, counted modulo 2: closed meshes only
+    Parity,
+    /// The same along x, y and z, and the majority
+    Vote,
+    /// The winding number: for open and overlapping meshes too
+    Winding,
+});
+choices!(OverlapArg {
+    /// A surface that overlaps itself is parted, different bodies are joined
+    Auto,
+    /// Voxels that are covered twice are left out
+    Part,
+    /// Voxels that are covered twice belong to the solid
+    Join,
+});
+choices!(SolverArg {
+    /// The faster one for the shape
+    Auto,
+    /// Block Lanczos on the inverse, by sparse factorization
+    ShiftInvert,
+    /// Block Lanczos on a polynomial, without a matrix: voxels only
+    Filter,
+});
+choices!(ModeArg {
+    /// Change over a window of altitude, on branches that end at real merges
+    Windowed,
+    /// As published: differences of neighbouring nodes
+    Paper,
+    /// Every node that is well larger than the last: what stability has to beat
+    Baseline,
+});
+choices!(AltitudeArg {
+    /// Logarithm of the weight: regions don't depend on the shape's size
+    Log,
+    /// The weight itself
+    Linear,
+});
+choices!(DescriptorArg {
+    /// SI-vHKS: does not change with the shape's size
+    SiHks,
+    /// vHKS
+    Hks,
+});
 
 impl RegionOptions {
     pub fn domain(&self) -> Domain {

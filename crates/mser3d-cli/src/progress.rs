@@ -9,6 +9,7 @@ use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use mser3d::{Progress, Stage};
 use mser3d_collection::{Event, Outcome};
 
+use crate::interrupt;
 use crate::log;
 use crate::machine::peak_memory;
 
@@ -50,7 +51,7 @@ impl Meter {
                 }
             }
         }
-        ControlFlow::Continue(())
+        if interrupt::is_requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
     /// Tells the user something, beside the bar.

@@ -1,4 +1,5 @@
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use mser3d_meshio::{NpyArray, NpyValues, ReadOptions, read_mesh, read_npz};
@@ -83,7 +84,7 @@ impl Record {
     pub fn load(folder: &Path) -> Result<Self, ResultsError> {
         let path = folder.join("regions.json");
         let text = std::fs::read(&path).map_err(|error| match error.kind() {
-            std::io::ErrorKind::NotFound => ResultsError::NotAResult { folder: folder.to_owned() },
+            ErrorKind::NotFound | ErrorKind::NotADirectory => ResultsError::NotAResult { folder: folder.to_owned() },
             _ => ResultsError::Io { path: path.clone(), error },
         })?;
         let broken =
