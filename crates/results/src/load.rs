@@ -84,7 +84,9 @@ impl Record {
     pub fn load(folder: &Path) -> Result<Self, ResultsError> {
         let path = folder.join("regions.json");
         let text = std::fs::read(&path).map_err(|error| match error.kind() {
-            ErrorKind::NotFound | ErrorKind::NotADirectory => ResultsError::NotAResult { folder: folder.to_owned() },
+            ErrorKind::NotFound | ErrorKind::NotADirectory => {
+                ResultsError::NotAResult { folder: folder.to_owned() }
+            }
             _ => ResultsError::Io { path: path.clone(), error },
         })?;
         let broken =
