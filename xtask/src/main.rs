@@ -1,9 +1,13 @@
 //! The project's own tasks, one file per command: `cargo xtask COMMAND`.
 
 mod bench;
+mod browser;
 mod browser_test;
+mod command;
 mod evaluate;
 mod fixtures;
+mod interop;
+mod pictures;
 mod poses;
 mod shrec11;
 
@@ -27,6 +31,10 @@ enum Command {
     BrowserTest(browser_test::Arguments),
     /// Make the shapes in fixtures/ again, byte for byte
     Fixtures(fixtures::Arguments),
+    /// Open what mser3d writes with each format's own library
+    Interop(interop::Arguments),
+    /// Make the pictures in docs/images again
+    Pictures(pictures::Arguments),
     /// Score the detector on poses of one figure
     Poses(poses::Arguments),
     /// Score detectors on SHREC'10, SHREC'11 or a synthetic benchmark
@@ -38,6 +46,8 @@ fn main() -> ExitCode {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::BrowserTest(arguments) => browser_test::run(&arguments),
         Command::Fixtures(arguments) => fixtures::run(&arguments),
+        Command::Interop(arguments) => interop::run(&arguments),
+        Command::Pictures(arguments) => pictures::run(&arguments),
         Command::Poses(arguments) => poses::run(&arguments),
         Command::Shrec11(arguments) => shrec11::run(&arguments),
     };

@@ -102,6 +102,19 @@ pub enum CollectionError {
         /// What is missing, and what to do.
         problem: String,
     },
+    /// A page would be too large to be sent and opened.
+    #[error(
+        "the page would have {bytes} bytes, more than {limit}, for its {pictures} pictures; ask for fewer (-k), or \
+         for one region (--region)"
+    )]
+    LargePage {
+        /// Bytes of the page.
+        bytes: usize,
+        /// How many there may be.
+        limit: usize,
+        /// Pictures on it.
+        pictures: usize,
+    },
     /// A table cannot be written or read.
     #[error("{}: {reason}", path.display())]
     Table {

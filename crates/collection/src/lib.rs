@@ -4,7 +4,7 @@
 //!   many of the matches are right, where the truth is known.
 //! * [`plan`] and [`run_batch`] compute the results of many shapes, each in a folder of its own;
 //!   [`build_tables`] makes `regions.parquet` and `shapes.parquet` of them.
-//! * [`Index`] finds the regions of a collection that are nearest to those of a shape.
+//! * [`Index`] finds the regions of a collection that are nearest to those of a shape, and shows them.
 //! * [`SpectrumCache`] keeps spectra, so that none is computed twice.
 //!
 //! # What holds
@@ -92,6 +92,7 @@ mod job;
 mod matching;
 mod parquet;
 mod query;
+mod query_page;
 mod settings;
 mod tables;
 mod truth;

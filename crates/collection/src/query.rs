@@ -76,6 +76,10 @@ impl Index {
         Ok(Self { folder: folder.to_owned(), settings, shapes, regions, fractions, descriptors })
     }
 
+    pub(crate) fn folder(&self) -> &Path {
+        &self.folder
+    }
+
     /// Regions in the collection.
     pub fn len(&self) -> usize {
         self.regions.len()

@@ -5,10 +5,12 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use mser3d_collection::{Hit, Index, Shape};
+use mser3d_meshio::write_atomically;
 use serde_json::json;
 
 use crate::error::CliError;
 use crate::options::count;
+use crate::render::UpAxis;
 
 #[derive(clap::Args)]
 pub struct QueryArgs {
@@ -28,6 +30,12 @@ pub struct QueryArgs {
     /// Print JSON instead of a table
     #[arg(long)]
     pub json: bool,
+    /// Write a page with pictures of the regions and those closest to them, in one file
+    #[arg(long, value_name = "FILE")]
+    pub html: Option<PathBuf>,
+    /// Axis that points up, in the pictures
+    #[arg(long, value_enum, default_value_t = UpAxis::Y)]
+    pub up: UpAxis,
 }
 
 pub fn run(args: &QueryArgs) -> Result<(), CliError> {
@@ -44,19 +52,25 @@ pub fn run(args: &QueryArgs) -> Result<(), CliError> {
             folder.display()
         )));
     }
-    let wanted = all.iter().enumerate().filter(|(id, _)| args.region.is_none_or(|only| only == *id));
+    let wanted = (0..).zip(all).filter(|(id, _)| args.region.is_none_or(|only| only == *id as usize));
+    let closest: Vec<(u32, Vec<Hit>)> = wanted.collect();
+    if let Some(path) = &args.html {
+        let page = index.page(&shape, &closest, args.up.into())?;
+        write_atomically(path, |out| out.write_all(page.as_bytes()))?;
+    }
     let text = if args.json {
-        let regions: Vec<_> = wanted.map(|(id, hits)| json!({"region": id, "closest": hits})).collect();
+        let regions: Vec<_> =
+            closest.iter().map(|(id, hits)| json!({"region": id, "closest": hits})).collect();
         let json = json!({
             "mser3d": env!("CARGO_PKG_VERSION"),
-            "collection": args.collection,
+            "collection": args.collection.to_string_lossy(),
             "searched": index.len(),
-            "shape": folder,
+            "shape": folder.to_string_lossy(),
             "regions": regions,
         });
         format!("{json:#}\n")
     } else {
-        table(wanted, &shape, index.len())
+        table(&closest, &shape, index.len())
     };
     std::io::stdout().lock().write_all(text.as_bytes()).map_err(CliError::Stdout)
 }
@@ -68,10 +82,10 @@ fn name_in(collection: &Path, folder: &Path) -> Option<String> {
     folder.file_name().filter(|_| inside).map(|name| name.to_string_lossy().into_owned())
 }
 
-fn table<'a>(wanted: impl Iterator<Item = (usize, &'a Vec<Hit>)>, shape: &Shape, searched: usize) -> String {
+fn table(closest: &[(u32, Vec<Hit>)], shape: &Shape, searched: usize) -> String {
     let mut text = String::from("region  measure %  rank   distance  measure %  region  shape\n");
-    for (id, hits) in wanted {
-        let own = 100.0 * shape.results.record.regions[id].volume_fraction;
+    for (id, hits) in closest {
+        let own = 100.0 * shape.results.record.regions[*id as usize].volume_fraction;
         for (rank, hit) in hits.iter().enumerate() {
             let query = if rank == 0 { format!("{id:>6}  {own:>9.2}") } else { " ".repeat(17) };
             let _ = writeln!(

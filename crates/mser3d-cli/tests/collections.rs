@@ -199,7 +199,7 @@ fn regions_of_two_poses_match_up_to_symmetry() {
         command.arg("match").args([&rest, &walk]).arg("--same-vertices").arg("--symmetry").arg(&symmetry);
         command.args(options).output().unwrap()
     };
-    let output = matched(&["--json", "-o", folder.path().join("matches").to_str().unwrap()]);
+    let output = matched(&["--json", "--html", "-o", folder.path().join("matches").to_str().unwrap()]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     let result: Value = serde_json::from_slice(&output.stdout).unwrap();
     let matches = result["result"]["matches"].as_array().unwrap();
@@ -207,6 +207,8 @@ fn regions_of_two_poses_match_up_to_symmetry() {
     assert!(precision["precision"].as_f64().unwrap() >= 0.9, "{precision}");
     assert!(matches.len() >= 10, "{precision}");
     assert!(matches.iter().any(|m| m["symmetric"] == true), "limbs come in pairs");
+    let page = fs::read_to_string(folder.path().join("matches/matches.html")).unwrap();
+    assert!(page.contains("<title>Regions of human_walk matched to human_rest</title>"));
     let csv = fs::read_to_string(folder.path().join("matches/matches.csv")).unwrap();
     assert_eq!(csv.lines().count(), matches.len() + 1);
     assert!(fs::read(folder.path().join("matches/matches.png")).unwrap().starts_with(b"\x89PNG"));
@@ -234,12 +236,18 @@ fn regions_of_two_poses_match_up_to_symmetry() {
         let closest = region["closest"].as_array().unwrap();
         assert!(closest.len() == 3 && closest.iter().all(|hit| hit["shape"] == "human_walk"));
     }
-    let found = closest(&["human_rest", "-k", "1", "--region", "2", "--include-itself", "--json"]);
-    let hit = &found["regions"][0]["closest"][0];
+    let itself = closest(&["human_rest", "-k", "1", "--region", "2", "--include-itself", "--json"]);
+    let hit = &itself["regions"][0]["closest"][0];
     assert_eq!(
         (&hit["shape"], &hit["region"], &hit["distance"]),
         (&"human_rest".into(), &2.into(), &0.0.into())
     );
+    let page = folder.path().join("query.html");
+    closest(&["human_rest", "-k", "2", "--json", "--html", page.to_str().unwrap()]);
+    let page = fs::read_to_string(page).unwrap();
+    let regions = found["regions"].as_array().unwrap().len();
+    assert_eq!(page.matches("<img ").count(), 3 * regions);
+    assert!(page.len() < 10_000_000 && page.contains("human_walk, region ") && !page.contains("http:"));
     assert_fails(&query(&["human_rest", "--region", "99"]), 2, &["--region 99", "numbered from 0"]);
 }
 

@@ -1,13 +1,16 @@
 use mser3d::descriptors::TimeScale;
 use mser3d_viewer::{
     Colours, Cut, Image, Model, NO_REGION, PageData, PageMatch, PageRegion, PageShape, PageTree, Panel,
-    RenderOptions, Rgb, Up, View, linked_colours, page, render,
+    RenderOptions, Rgb, Up, View, ViewerError, linked_colours, page, render,
 };
 
 use crate::{Results, ResultsError};
 
 /// A region of one shape matched with one of another, and how far apart their descriptors are.
 pub type Match = PageMatch;
+
+/// From before and from behind.
+const BOTH_SIDES: [View; 2] = [View::THREE_QUARTER, View { azimuth: 215.0, elevation: 12.0 }];
 
 impl Results {
     /// The surface with its regions in their colours.
@@ -85,6 +88,34 @@ impl Results {
         Ok(render(&panels, options)?)
     }
 
+    /// One picture per wanted region: that region in its colour on the grey shape, from before or from
+    /// behind, whichever it faces more. A region that lies inside is not seen.
+    ///
+    /// # Errors
+    /// [`ResultsError::Viewer`], also for a region that is not there.
+    pub fn region_pictures(
+        &self,
+        wanted: &[(u32, Rgb)],
+        options: &RenderOptions,
+    ) -> Result<Vec<Image>, ResultsError> {
+        let plain = Model::from_mesh(&self.mesh, Colours::Uniform(NO_REGION))?;
+        let picture = |number: usize, region: u32, colour: Rgb| {
+            let vertices = self.region_vertices.get(region as usize).ok_or(ViewerError::OutOfRange {
+                what: "picture",
+                number,
+                target: "region",
+                index: region.into(),
+                count: self.region_vertices.len(),
+            })?;
+            let mut labels = vec![-1; self.mesh.vertices().len()];
+            vertices.iter().for_each(|&v| labels[v as usize] = 0);
+            let model = &plain.with_regions(&labels, &[colour])?;
+            let view = View::facing(&self.mesh, vertices, options.up, &BOTH_SIDES).unwrap_or(BOTH_SIDES[0]);
+            Ok(render(&[Panel { model, view, caption: String::new() }], options)?)
+        };
+        wanted.iter().enumerate().map(|(number, &(region, colour))| picture(number, region, colour)).collect()
+    }
+
     /// A page that shows these results in a browser.
     ///
     /// # Errors
@@ -125,7 +156,7 @@ impl Results {
     ) -> Result<Image, ResultsError> {
         let models = [self.model()?, other.coloured_model(&matched_colours(self, other, matches))?];
         let names = [self.name(), other.name()];
-        let panels: Vec<Panel<'_>> = [View::THREE_QUARTER, View { azimuth: 215.0, elevation: 12.0 }]
+        let panels: Vec<Panel<'_>> = BOTH_SIDES
             .into_iter()
             .flat_map(|view| models.iter().zip(&names).map(move |(model, name)| (model, name, view)))
             .map(|(model, name, view)| Panel { model, view, caption: name.clone() })

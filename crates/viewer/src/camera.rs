@@ -1,4 +1,6 @@
-use crate::vector::{Vec3, add, cross, dot, scale};
+use mser3d_shape::TriangleMesh;
+
+use crate::vector::{Vec3, add, cross, dot, scale, sub};
 
 /// Which axis of the shape points up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -30,6 +32,38 @@ impl View {
     pub const THREE_QUARTER: Self = Self { azimuth: 35.0, elevation: 12.0 };
     /// From above.
     pub const TOP: Self = Self { azimuth: 0.0, elevation: 90.0 };
+
+    /// The view, of several, that part of a surface faces most: in which its triangles that face the
+    /// viewer have the largest area. What hides what is not asked. The first of equals; `None` without
+    /// views.
+    ///
+    /// `part` lists vertices; a triangle is of the part when its three corners are.
+    pub fn facing(mesh: &TriangleMesh, part: &[u32], up: Up, views: &[Self]) -> Option<Self> {
+        let mut inside = vec![false; mesh.vertices().len()];
+        for &vertex in part {
+            if let Some(inside) = inside.get_mut(vertex as usize) {
+                *inside = true;
+            }
+        }
+        let outward = if mesh.signed_volume() < 0.0 { -1.0 } else { 1.0 };
+        let areas: Vec<Vec3> = (0..mesh.triangles().len())
+            .filter(|&t| mesh.triangles()[t].iter().all(|&v| inside[v as usize]))
+            .map(|t| mesh.corners(t))
+            .map(|[a, b, c]| scale(cross(sub(b, a), sub(c, a)), outward))
+            .collect();
+        let seen = |view: Self| -> f64 {
+            let toward = view.camera(up).toward;
+            areas.iter().map(|&area| dot(area, toward).max(0.0)).sum()
+        };
+        let mut best: Option<(f64, Self)> = None;
+        for &view in views {
+            let area = seen(view);
+            if best.is_none_or(|(most, _)| area > most) {
+                best = Some((area, view));
+            }
+        }
+        best.map(|(_, view)| view)
+    }
 
     /// The camera's axes in the shape's coordinates.
     pub(crate) fn camera(self, up: Up) -> Camera {
@@ -78,6 +112,26 @@ mod tests {
         near(toward(View::FRONT, Up::Z), [0., -1., 0.]);
         near(toward(View::SIDE, Up::Z), [1., 0., 0.]);
         near(View::BACK.camera(Up::Z).right, [-1., 0., 0.]);
+    }
+
+    #[test]
+    fn a_part_faces_the_view_it_is_on() {
+        let cube = crate::shapes::cube();
+        let part = |axis: usize, side: f64| -> Vec<u32> {
+            let (low, high) = cube.bounding_box().map(|b| (b.min[axis], b.max[axis])).unwrap();
+            let wanted = if side < 0.0 { low } else { high };
+            (0..cube.vertices().len() as u32)
+                .filter(|&v| (cube.vertices()[v as usize][axis] - wanted).abs() < 1e-9)
+                .collect()
+        };
+        let views = [View::FRONT, View::BACK, View::SIDE, View::TOP];
+        let facing = |part: &[u32], up| View::facing(&cube, part, up, &views).unwrap();
+        assert_eq!(facing(&part(2, 1.0), Up::Y), View::FRONT);
+        assert_eq!(facing(&part(2, -1.0), Up::Y), View::BACK);
+        assert_eq!(facing(&part(2, 1.0), Up::Z), View::TOP);
+        assert_eq!(facing(&part(0, 1.0), Up::Z), View::SIDE);
+        assert_eq!(facing(&[], Up::Y), View::FRONT);
+        assert_eq!(View::facing(&cube, &[], Up::Y, &[]), None);
     }
 
     #[test]

@@ -6,7 +6,8 @@
 //!   [`VoxelGrid`](mser3d_shape::VoxelGrid), or a surface cut open over its voxels;
 //! * [`render`]: panels of models into one [`Image`], by a z-buffer on the CPU with supersampling, smooth
 //!   normals, ambient occlusion, and lines where shapes and regions end;
-//! * [`page`](page()): one HTML file to turn, click, cut and compare shapes in a browser.
+//! * [`page`](page()): one HTML file to turn, click, cut and compare shapes in a browser;
+//! * [`gallery`](gallery()): one HTML file with pictures in rows.
 //!
 //! The same input gives the same bytes for any number of threads. Limits: orthographic views; one
 //! colour per sample, so no transparency.
@@ -30,6 +31,7 @@
 mod camera;
 mod draw;
 mod error;
+mod gallery;
 mod image;
 mod lettering;
 mod model;
@@ -49,6 +51,7 @@ mod vector;
 
 pub use camera::{Up, View};
 pub use error::ViewerError;
+pub use gallery::{Gallery, GalleryPicture, GalleryRow, gallery};
 pub use image::Image;
 pub use model::{Colours, Cut, Model};
 pub use page::{PageData, PageMatch, PageRegion, PageShape, PageTree, page};

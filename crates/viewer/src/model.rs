@@ -129,9 +129,8 @@ impl Model {
             }
             Colours::Regions { labels, colours } => {
                 fits("labels per vertex", labels.len(), n)?;
-                let paint = labels.iter().enumerate().map(|(v, &l)| paint_of(v, l, colours.len()));
                 let palette = [NO_REGION].iter().chain(colours).copied().collect();
-                (paint.collect::<Result<_, _>>()?, palette, false)
+                (region_paint(labels, colours.len())?, palette, false)
             }
         };
         let openness = openness(&points, &triangles, &vertices);
@@ -145,6 +144,20 @@ impl Model {
             blend,
             section: None,
         };
+        model.paint = model.intern(&palette, &paint);
+        Ok(model)
+    }
+
+    /// The same surface with regions coloured anew; what light reaches it is not computed again.
+    ///
+    /// # Errors
+    /// [`ViewerError::SizeMismatch`] unless there is one label per vertex, and the model was made of a mesh
+    /// with colours by vertex or by region; [`ViewerError::OutOfRange`] for a label without a colour.
+    pub fn with_regions(&self, labels: &[i32], colours: &[Rgb]) -> Result<Self, ViewerError> {
+        fits("labels per vertex", labels.len(), self.points.len())?;
+        let paint = region_paint(labels, colours.len())?;
+        let palette: Vec<Rgb> = [NO_REGION].iter().chain(colours).copied().collect();
+        let mut model = Self { colours: Vec::new(), blend: false, section: None, ..self.clone() };
         model.paint = model.intern(&palette, &paint);
         Ok(model)
     }
@@ -258,9 +271,9 @@ pub(crate) fn fits(what: &'static str, found: usize, expected: usize) -> Result<
     if found == expected { Ok(()) } else { Err(ViewerError::SizeMismatch { what, found, expected }) }
 }
 
-/// Index into a palette whose first colour stands for no region.
-fn paint_of(vertex: usize, label: i32, regions: usize) -> Result<u32, ViewerError> {
-    match usize::try_from(label) {
+/// For each vertex, the index into a palette whose first colour stands for no region.
+fn region_paint(labels: &[i32], regions: usize) -> Result<Vec<u32>, ViewerError> {
+    let paint = labels.iter().enumerate().map(|(vertex, &label)| match usize::try_from(label) {
         Err(_) => Ok(0),
         Ok(r) if r < regions => Ok(r as u32 + 1),
         Ok(_) => Err(ViewerError::OutOfRange {
@@ -270,5 +283,6 @@ fn paint_of(vertex: usize, label: i32, regions: usize) -> Result<u32, ViewerErro
             index: label.into(),
             count: regions,
         }),
-    }
+    });
+    paint.collect()
 }

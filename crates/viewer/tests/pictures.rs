@@ -2,7 +2,8 @@
 
 use mser3d_shape::{BitGrid, Frame, TriangleMesh, VoxelGrid};
 use mser3d_viewer::{
-    Colours, Cut, Image, Model, NO_REGION, PALETTE, Panel, RenderOptions, Rgb, View, ViewerError, render,
+    Colours, Cut, Gallery, GalleryPicture, GalleryRow, Image, Model, NO_REGION, PALETTE, Panel,
+    RenderOptions, Rgb, View, ViewerError, gallery, render,
 };
 
 /// A torus around the y axis: radii 1 and 0.4.
@@ -196,4 +197,41 @@ fn a_flat_or_tiny_shape_is_drawn_without_trouble() {
     let model = Model::from_mesh(&point, Colours::Uniform(PALETTE[5])).unwrap();
     let sheet = render(&Panel::around(&model), &plain()).unwrap();
     assert_eq!(count(&sheet, PALETTE[5], &[Rgb::WHITE]), 0);
+}
+
+#[test]
+fn colouring_anew_is_as_good_as_making_anew() {
+    let torus = torus();
+    let n = torus.vertices().len() as i32;
+    let labels: Vec<i32> = (0..n).map(|v| if v < n / 3 { 1 } else { -1 }).collect();
+    let options = RenderOptions { height: 100, ..RenderOptions::default() };
+    let regions = Colours::Regions { labels: &labels, colours: &PALETTE };
+    let made = Model::from_mesh(&torus, regions).unwrap();
+    for colours in [Colours::Uniform(NO_REGION), Colours::Vertices(&vec![PALETTE[3]; n as usize])] {
+        let anew = Model::from_mesh(&torus, colours).unwrap().with_regions(&labels, &PALETTE).unwrap();
+        assert_eq!(draw(&anew, View::THREE_QUARTER, &options), draw(&made, View::THREE_QUARTER, &options));
+    }
+    assert!(matches!(made.with_regions(&labels[1..], &PALETTE), Err(ViewerError::SizeMismatch { .. })));
+    assert!(matches!(made.with_regions(&labels, &PALETTE[..1]), Err(ViewerError::OutOfRange { .. })));
+}
+
+#[test]
+fn a_gallery_holds_its_pictures_and_nothing_else() {
+    let picture = |label: &str| GalleryPicture {
+        image: Image::new(61, 40, PALETTE[2]).unwrap(),
+        label: label.into(),
+        numbers: "a < b".into(),
+    };
+    let rows = vec![
+        GalleryRow { subject: picture("x"), others: vec![picture("\"{{rows}}\""), picture("z")] },
+        GalleryRow { subject: picture("y"), others: vec![] },
+    ];
+    let html = gallery(&Gallery { title: "<b>".into(), lead: "{{title}}".into(), rows }).unwrap();
+    assert_eq!(html.matches("<img src=\"data:image/png;base64,").count(), 4);
+    assert_eq!(html.matches("width=\"31\" height=\"20\"").count(), 4);
+    assert!(
+        html.contains("<h1>&lt;b&gt;</h1>\n<p>{{title}}</p>")
+            && html.contains("alt=\"&quot;{{rows}}&quot;\"")
+    );
+    assert!(html.contains("a &lt; b") && !html.contains("<script") && !html.contains("http:"));
 }

@@ -1,0 +1,141 @@
+//! `cargo xtask interop`: what mser3d writes, opened by each format's own library.
+//!
+//! The libraries come from PyPI and npm, in the versions of `xtask/interop`, into `target/interop`; the
+//! checks are in `check.py` and `validate.cjs` there. A library that cannot be had is skipped, and said so.
+
+mod libraries;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
+
+use crate::command::{mser3d, output};
+use libraries::{Libraries, TOOLS};
+
+/// A library that takes longer for a few megabytes hangs.
+const CHECK: Duration = Duration::from_secs(300);
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Fail when a library is missing, instead of skipping it
+    #[arg(long)]
+    require: bool,
+    /// Voxels of the figures
+    #[arg(long, default_value_t = 20_000)]
+    voxels: usize,
+}
+
+/// A library, and the formats that are opened with it.
+struct Check {
+    library: &'static str,
+    formats: &'static str,
+    /// What it needs from PyPI; the glTF validator is from npm.
+    packages: &'static [&'static str],
+}
+
+const PYTHON: [Check; 6] = [
+    Check { library: "csv", formats: "CSV", packages: &[] },
+    Check { library: "numpy", formats: "NPZ", packages: &["numpy"] },
+    Check { library: "plyfile", formats: "PLY", packages: &["numpy", "plyfile"] },
+    Check { library: "trimesh", formats: "PLY, GLB", packages: &["numpy", "trimesh"] },
+    Check { library: "vtk", formats: "VTP, VTI, PLY", packages: &["numpy", "vtk"] },
+    Check { library: "pyarrow", formats: "Parquet", packages: &["numpy", "pyarrow"] },
+];
+
+pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
+    let folder = std::path::absolute("target/interop")?;
+    let files = folder.join("files");
+    write_files(&files, arguments.voxels)?;
+    let libraries = Libraries::set_up(&folder)?;
+    let mut counts = Counts::default();
+    for check in &PYTHON {
+        let outcome = match libraries.python(check.packages) {
+            Err(missing) => Outcome::Skipped(missing),
+            Ok(python) => {
+                let mut command = Command::new(python);
+                command.arg(tools("check.py")).arg(check.library).arg(figure("rest")).arg(&files);
+                Outcome::of(output(&mut command, CHECK))
+            }
+        };
+        counts.add(check.library, check.formats, outcome);
+    }
+    let outcome = match libraries.node() {
+        Err(missing) => Outcome::Skipped(missing),
+        Ok(mut node) => Outcome::of(validate(&mut node, &files)),
+    };
+    counts.add("gltf-validator", "GLB", outcome);
+    println!("interop: {} passed, {} failed, {} skipped", counts.passed, counts.failed, counts.skipped);
+    if counts.failed > 0 {
+        return Err("what was written is not what the format's own library reads".into());
+    }
+    if arguments.require && counts.skipped > 0 {
+        return Err("a library is missing, and --require asks for all".into());
+    }
+    Ok(())
+}
+
+/// Every format that mser3d writes, of two poses of a figure.
+fn write_files(files: &Path, voxels: usize) -> Result<(), String> {
+    if files.exists() {
+        std::fs::remove_dir_all(files).map_err(|e| format!("{}: {e}", files.display()))?;
+    }
+    let at = |name: &str| files.join(name).display().to_string();
+    let (rest, kick) = (figure("rest").display().to_string(), figure("kick").display().to_string());
+    let voxels = voxels.to_string();
+    mser3d(&["detect", &rest, "-o", &at("rest"), "--voxels", &voxels, "--quiet"])?;
+    mser3d(&["detect", &kick, "-o", &at("kick"), "--voxels", &voxels, "--quiet"])?;
+    mser3d(&["export", &at("rest"), "-o", &at("rest.glb")])?;
+    mser3d(&["export", &at("rest"), "-o", &at("rest.vtp")])?;
+    mser3d(&["match", &at("rest"), &at("kick"), "-o", &at("match"), "--same-vertices"])?;
+    mser3d(&["batch", &rest, &kick, "-o", &at("all"), "--voxels", &voxels, "--quiet"])
+}
+
+fn validate(node: &mut Command, files: &Path) -> Result<String, String> {
+    let off = std::fs::read_to_string(figure("rest")).map_err(|e| e.to_string())?;
+    let mut counts = off.split_whitespace().skip(1);
+    let (vertices, triangles) = (counts.next().unwrap_or_default(), counts.next().unwrap_or_default());
+    node.arg(tools("validate.cjs")).arg(files.join("rest.glb")).args([vertices, triangles]);
+    output(node, CHECK)
+}
+
+fn figure(pose: &str) -> PathBuf {
+    Path::new("fixtures").join(format!("human_{pose}.off"))
+}
+
+fn tools(name: &str) -> PathBuf {
+    Path::new(TOOLS).join(name)
+}
+
+enum Outcome {
+    Passed(String),
+    Failed(String),
+    Skipped(String),
+}
+
+impl Outcome {
+    fn of(result: Result<String, String>) -> Self {
+        match result {
+            Ok(text) => Self::Passed(text.trim().to_owned()),
+            Err(error) => Self::Failed(error),
+        }
+    }
+}
+
+#[derive(Default)]
+struct Counts {
+    passed: usize,
+    failed: usize,
+    skipped: usize,
+}
+
+impl Counts {
+    fn add(&mut self, library: &str, formats: &str, outcome: Outcome) {
+        let (count, word, text) = match outcome {
+            Outcome::Passed(text) => (&mut self.passed, "ok", text),
+            Outcome::Failed(text) => (&mut self.failed, "FAILED", text),
+            Outcome::Skipped(text) => (&mut self.skipped, "skipped", text),
+        };
+        *count += 1;
+        println!("{word}: {formats} by {library}: {text}");
+    }
+}
