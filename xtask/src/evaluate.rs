@@ -3,10 +3,11 @@
 use std::error::Error;
 use std::path::Path;
 
+use mser3d::descriptors::Descriptors;
 use mser3d::shape::{Eigenbasis, TriangleMesh};
 use mser3d::spectral::SpectrumParameters;
 use mser3d::voxelize::VoxelizeParameters;
-use mser3d::{Body, Parameters, describe, find_regions, no_progress};
+use mser3d::{Body, Parameters, Region, describe, find_regions, no_progress};
 use mser3d_meshio::{ReadOptions, read_mesh};
 use mser3d_shrec11::{Detection, VertexSet};
 
@@ -47,12 +48,36 @@ impl Solved {
         self.basis.measure()
     }
 
+    /// What heat flows on.
+    pub fn body(&self) -> &Body {
+        &self.body
+    }
+
+    /// Its eigenpairs.
+    pub fn basis(&self) -> &Eigenbasis {
+        &self.basis
+    }
+
+    /// The regions that a detector finds.
+    pub fn regions(&self, parameters: &Parameters) -> Result<Vec<Region>, Box<dyn Error>> {
+        Ok(find_regions(&self.body, &self.basis, parameters, &no_progress)?.regions)
+    }
+
     /// What a detector finds, as sets of the mesh's vertices.
     pub fn detect(&self, parameters: &Parameters) -> Result<Detection, Box<dyn Error>> {
-        let regions = find_regions(&self.body, &self.basis, parameters, &no_progress)?.regions;
+        let regions = self.regions(parameters)?;
         let descriptors = describe(&self.basis, &regions, parameters)?;
+        self.detection(&regions, &descriptors)
+    }
+
+    /// Regions with their descriptors, as sets of the mesh's vertices.
+    pub fn detection(
+        &self,
+        regions: &[Region],
+        descriptors: &Descriptors,
+    ) -> Result<Detection, Box<dyn Error>> {
         let mut sets = Vec::with_capacity(regions.len());
-        for region in &regions {
+        for region in regions {
             sets.push(VertexSet::from_members(self.vertices, region.vertices.iter().map(|&v| v as usize))?);
         }
         Ok(Detection { regions: sets, descriptors: descriptors.rows().map(<[f64]>::to_vec).collect() })

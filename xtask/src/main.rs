@@ -4,7 +4,9 @@ mod bench;
 mod browser;
 mod browser_test;
 mod command;
+mod drawing;
 mod evaluate;
+mod figures;
 mod fixtures;
 mod interop;
 mod pictures;
@@ -29,6 +31,8 @@ enum Command {
     Bench(bench::Arguments),
     /// Try the page that `mser3d view` writes in a real browser
     BrowserTest(browser_test::Arguments),
+    /// Make the paper's figures in docs/results again
+    Figures(figures::Arguments),
     /// Make the shapes in fixtures/ again, byte for byte
     Fixtures(fixtures::Arguments),
     /// Open what mser3d writes with each format's own library
@@ -45,6 +49,7 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::BrowserTest(arguments) => browser_test::run(&arguments),
+        Command::Figures(arguments) => figures::run(&arguments),
         Command::Fixtures(arguments) => fixtures::run(&arguments),
         Command::Interop(arguments) => interop::run(&arguments),
         Command::Pictures(arguments) => pictures::run(&arguments),

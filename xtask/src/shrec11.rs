@@ -5,10 +5,16 @@
 //! there already is not made again, so a run that was stopped goes on where it was.
 
 mod curves;
+mod detect;
 mod detectors;
+mod files;
+mod page;
+mod pictures;
+mod progress;
 mod run;
 mod synthesize;
 mod tables;
+mod voxels;
 
 use std::error::Error;
 use std::fs;
@@ -38,6 +44,12 @@ pub struct Arguments {
     /// Only these classes
     #[arg(long, value_name = "CLASS", num_args = 1..)]
     classes: Vec<String>,
+    /// Only these strengths, 1 to 5
+    #[arg(long, value_name = "STRENGTH", num_args = 1.., value_parser = clap::value_parser!(u32).range(1..=5))]
+    strengths: Vec<u32>,
+    /// Only these of our detectors
+    #[arg(long, value_name = "NAME", num_args = 1..)]
+    detectors: Vec<String>,
     /// Voxels of a null shape; its transforms get the same pitch
     #[arg(long, default_value_t = 45_000)]
     voxels: usize,
@@ -47,38 +59,75 @@ pub struct Arguments {
     /// Folders of .regions files by other detectors, which are scored too
     #[arg(long, value_name = "DIR", num_args = 1..)]
     detections: Vec<PathBuf>,
-    /// Folder for the results; remove its `detections` to detect again
+    /// Folder for the results. What an interrupted run left there is used
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
 }
 
+impl Arguments {
+    /// Whether transforms of a class and strength are asked for.
+    fn wants(&self, class: &str, strength: u32) -> bool {
+        (self.classes.is_empty() || self.classes.iter().any(|c| c == class))
+            && (self.strengths.is_empty() || self.strengths.contains(&strength))
+    }
+}
+
 /// Runs the evaluation.
 pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
-    fs::create_dir_all(&arguments.output).map_err(|e| format!("{}: {e}", arguments.output.display()))?;
-    same_settings(arguments)?;
+    let output = &arguments.output;
+    let detectors = detectors::chosen(&arguments.detectors)?;
+    fs::create_dir_all(output).map_err(|e| format!("{}: {e}", output.display()))?;
+    let settings = same_settings(arguments)?;
     let folder = match &arguments.data {
         Some(folder) => folder.clone(),
         None => synthesize::benchmark(arguments)?,
     };
     let benchmark = Benchmark::open(&folder)?;
-    if arguments.classes.is_empty() {
-        benchmark.missing().iter().for_each(|problem| eprintln!("warning: {problem}"));
+    let missing = missing(arguments, &benchmark);
+    missing.iter().for_each(|problem| eprintln!("warning: {problem}"));
+    run::detect(arguments, &benchmark, &detectors)?;
+    let scored = run::score(arguments, &benchmark, &detectors)?;
+    write(&output.join("regions.csv"), &tables::regions_csv(&scored))?;
+    write(&output.join("shapes.csv"), &tables::shapes_csv(&scored))?;
+    let summary = tables::summary(&scored);
+    write(&output.join("summary.md"), &summary)?;
+    let mut curves = Vec::new();
+    for (name, drawing) in curves::all(&scored) {
+        write(&output.join(&name), &drawing)?;
+        curves.push(name);
     }
-    run::detect(arguments, &benchmark)?;
-    let scores = run::score(arguments, &benchmark)?;
-    write(&arguments.output.join("regions.csv"), &tables::regions_csv(&scores))?;
-    write(&arguments.output.join("shapes.csv"), &tables::shapes_csv(&scores))?;
-    let summary = tables::summary(&scores);
-    write(&arguments.output.join("summary.md"), &summary)?;
-    for (name, drawing) in curves::all(&scores) {
-        write(&arguments.output.join(name), &drawing)?;
-    }
+    let pictures = pictures::draw(arguments, &benchmark, detectors[0].name)?;
+    let contents =
+        page::Contents { settings: &settings, missing: &missing, curves: &curves, pictures: &pictures };
+    write(&output.join("index.html"), &page::page(&scored, &contents))?;
     print!("{summary}");
+    eprintln!("{} puts it all together", output.join("index.html").display());
     Ok(())
 }
 
-/// Refuses to mix results of different settings in one folder.
-fn same_settings(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+/// What is not there of what was asked for: classes by name, otherwise whatever a whole benchmark has.
+fn missing(arguments: &Arguments, benchmark: &Benchmark) -> Vec<String> {
+    let there = benchmark.classes();
+    let mut missing: Vec<String> = arguments
+        .classes
+        .iter()
+        .filter(|class| !there.contains(class.as_str()))
+        .map(|class| {
+            format!(
+                "class {class}: no shapes; there are {}",
+                there.iter().copied().collect::<Vec<_>>().join(", ")
+            )
+        })
+        .collect();
+    // In a synthetic benchmark only poses can be missing, and these nobody promised.
+    if arguments.data.is_some() && arguments.classes.is_empty() && arguments.strengths.is_empty() {
+        missing.extend(benchmark.missing());
+    }
+    missing
+}
+
+/// Refuses to mix results of different settings in one folder; returns them.
+fn same_settings(arguments: &Arguments) -> Result<String, Box<dyn Error>> {
     let show =
         |paths: &[PathBuf]| paths.iter().map(|p| p.display().to_string()).collect::<Vec<_>>().join(" ");
     let benchmark = match (&arguments.data, &arguments.synthesize) {
@@ -98,8 +147,8 @@ fn same_settings(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             let folder = arguments.output.display();
             Err(format!("{folder} holds results of other settings; give another folder, or remove it. It has:\n{before}").into())
         }
-        Ok(_) => Ok(()),
-        Err(_) => write(&path, &settings),
+        Ok(_) => Ok(settings),
+        Err(_) => write(&path, &settings).map(|()| settings),
     }
 }
 

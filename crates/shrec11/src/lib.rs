@@ -50,5 +50,5 @@ pub use files::{Benchmark, BenchmarkWriter, Detection, NotAShapeName, ShapeName,
 pub use overlap::{NullShape, Overlaps};
 pub use score::{Score, mean_score, share_above};
 pub use transfer::Transfer;
-pub use transforms::{Class, Transformed, isometry, transform};
+pub use transforms::{Class, SpaceMap, Transformed, isometry, space_map, transform};
 pub use vertex_set::VertexSet;

@@ -16,10 +16,8 @@ pub fn share_above(values: &[f64], threshold: f64) -> f64 {
 /// What a detector and a descriptor reached on one transformed shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Score {
-    /// The class of the transform, such as `"noise"`.
-    pub class: String,
-    /// Its strength, 1 to 5.
-    pub strength: u32,
+    /// The transformed shape.
+    pub shape: ShapeName,
     /// Each region's best overlap: [`Overlaps::best`](crate::Overlaps::best).
     pub best: Vec<f64>,
     /// The same on the common part: [`Overlaps::on_common_part`](crate::Overlaps::on_common_part).
@@ -49,13 +47,12 @@ impl Score {
         } else {
             Vec::new()
         };
-        Ok(Self {
-            class: name.class.clone(),
-            strength: name.strength,
-            best: overlaps.best(),
-            best_common: common.best(),
-            matched,
-        })
+        Ok(Self { shape: name.clone(), best: overlaps.best(), best_common: common.best(), matched })
+    }
+
+    /// Number of regions.
+    pub fn regions(&self) -> usize {
+        self.best.len()
     }
 
     /// Share of regions that were found again.
@@ -79,26 +76,26 @@ impl Score {
     }
 }
 
-/// The mean of a measure over the shapes of a class (`None`: all) up to a strength; `None` without
-/// such shapes. Each shape counts the same, however many regions it has.
+/// The mean of a measure over those shapes that are wanted; `None` when there are none. Each shape
+/// counts the same, however many regions it has.
 ///
 /// ```
-/// # use mser3d_shrec11::{mean_score, Score};
+/// # use mser3d_shrec11::{mean_score, Score, ShapeName};
 /// let score = |strength, best: Vec<f64>| {
-///     Score { class: "noise".into(), strength, best_common: best.clone(), best, matched: vec![] }
+///     let shape = ShapeName { null: 1, class: "noise".into(), strength };
+///     Score { shape, best_common: best.clone(), best, matched: vec![] }
 /// };
 /// let scores = [score(1, vec![0.9, 0.9]), score(4, vec![])];
-/// assert_eq!(mean_score(&scores, Some("noise"), 3, |s| s.repeatability(0.8)), Some(1.0));
-/// assert_eq!(mean_score(&scores, Some("noise"), 5, |s| s.repeatability(0.8)), Some(0.5));
-/// assert_eq!(mean_score(&scores, Some("holes"), 5, |s| s.repeatability(0.8)), None);
+/// assert_eq!(mean_score(&scores, |s| s.strength <= 3, |s| s.repeatability(0.8)), Some(1.0));
+/// assert_eq!(mean_score(&scores, |s| s.class == "noise", |s| s.repeatability(0.8)), Some(0.5));
+/// assert_eq!(mean_score(&scores, |s| s.class == "holes", |s| s.repeatability(0.8)), None);
 /// ```
 pub fn mean_score(
     scores: &[Score],
-    class: Option<&str>,
-    up_to_strength: u32,
+    wanted: impl Fn(&ShapeName) -> bool,
     measure: impl Fn(&Score) -> f64,
 ) -> Option<f64> {
-    let wanted = |s: &&Score| s.strength <= up_to_strength && class.is_none_or(|c| c == s.class);
-    let (sum, count) = scores.iter().filter(wanted).fold((0.0, 0), |(sum, n), s| (sum + measure(s), n + 1));
+    let values = scores.iter().filter(|s| wanted(&s.shape)).map(measure);
+    let (sum, count) = values.fold((0.0, 0), |(sum, n), value| (sum + value, n + 1));
     (count > 0).then(|| sum / f64::from(count))
 }

@@ -8,7 +8,7 @@ use mser3d_meshio::{ReadOptions, read_mesh};
 use mser3d_shape::TriangleMesh;
 use mser3d_shrec11::{
     Class, NullShape, Overlaps, ShrecError, SurfacePoint, Transfer, Transformed, VertexSet, isometry,
-    transform,
+    space_map, transform,
 };
 
 fn fixture(name: &str) -> TriangleMesh {
@@ -209,4 +209,21 @@ fn what_cannot_be_made_is_refused() {
     assert!(isometry(&NULL, &fixture("quadruped_rest.off")).is_err());
     assert!("noize".parse::<Class>().unwrap_err().to_string().contains("shotnoise"));
     assert!(Class::ALL.iter().all(|c| c.name().parse::<Class>().unwrap() == *c));
+}
+
+#[test]
+fn the_map_of_space_moves_the_vertices_as_the_transform_does() {
+    for class in [Class::Affine, Class::Localscale, Class::Scaling] {
+        let map = space_map(&NULL, class, 4, 1).unwrap().unwrap();
+        let moved: Vec<[f64; 3]> = NULL.vertices().iter().map(|&p| map(p)).collect();
+        assert_eq!(moved, made(class, 4).mesh.vertices(), "{class}");
+    }
+    for class in [Class::Holes, Class::Sampling, Class::Topology, Class::View] {
+        let (map, shape) = (space_map(&NULL, class, 4, 1).unwrap().unwrap(), made(class, 4));
+        for (point, &vertex) in shape.points.iter().zip(shape.mesh.vertices()) {
+            assert_eq!(map(point.unwrap().position(&NULL)), vertex, "{class}");
+        }
+    }
+    assert!(space_map(&NULL, Class::Isometry, 1, 1).unwrap().is_none());
+    assert!(space_map(&NULL, Class::Noise, 0, 1).is_err());
 }

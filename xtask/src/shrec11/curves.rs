@@ -2,9 +2,10 @@
 
 use std::fmt::Write;
 
-use mser3d_shrec11::{Score, mean_score};
+use mser3d_shrec11::{Score, ShapeName, mean_score};
 
-use super::run::Scores;
+use super::run::Scored;
+use super::tables::is_solid;
 
 const WIDTH: f64 = 640.0;
 const HEIGHT: f64 = 420.0;
@@ -15,34 +16,48 @@ const SIDE: f64 = 320.0;
 const COLOURS: [&str; 8] =
     ["#d55e00", "#0072b2", "#000000", "#cc79a7", "#009e73", "#e69f00", "#56b4e9", "#999999"];
 
-/// The name and the text of each drawing.
-pub fn all(scores: &Scores) -> Vec<(String, String)> {
+/// The name and the text of each drawing: means over the classes that leave a solid (over all, where
+/// none of these were asked for).
+pub fn all(all: &[Scored]) -> Vec<(String, String)> {
+    let solids = all.iter().flat_map(|s| &s.scores).any(|s| is_solid(&s.shape));
     let mut drawings = Vec::new();
-    let measures: [(&str, &str, fn(&Score, f64) -> f64); 3] = [
-        ("repeatability", "Repeatability", Score::repeatability),
-        ("correspondences", "Correspondences", |s, t| s.correspondences(t) as f64),
-        ("matching", "Matching score", Score::matching),
+    let measures: [(&str, &str, bool, fn(&Score, f64) -> f64); 3] = [
+        ("repeatability", "Repeatability", true, Score::repeatability),
+        ("correspondences", "Correspondences", true, |s, t| s.correspondences(t) as f64),
+        ("matching", "Matching score", false, Score::matching),
     ];
-    for (file, title, measure) in measures {
+    for (file, title, once, measure) in measures {
+        let shown: Vec<&Scored> = all.iter().filter(|s| !(once && s.same_regions)).collect();
         for strength in [3, 5] {
             let title = format!("{title}, strengths up to {strength}");
-            drawings.push((format!("{file}_{strength}.svg"), curves(scores, &title, strength, measure)));
+            let wanted = move |s: &ShapeName| s.strength <= strength && (is_solid(s) || !solids);
+            drawings.push((format!("{file}_{strength}.svg"), curves(&shown, &title, &wanted, measure)));
         }
     }
     drawings
 }
 
-fn curves(scores: &Scores, title: &str, strength: u32, measure: fn(&Score, f64) -> f64) -> String {
+fn curves(
+    shown: &[&Scored],
+    title: &str,
+    wanted: &dyn Fn(&ShapeName) -> bool,
+    measure: fn(&Score, f64) -> f64,
+) -> String {
     let thresholds: Vec<f64> = (0..=50).map(|i| f64::from(i) / 50.0).collect();
-    let lines: Vec<(&str, Vec<f64>)> = scores
+    let lines: Vec<(&str, Vec<f64>)> = shown
         .iter()
-        .map(|(name, scores)| {
-            let at = |t: &f64| mean_score(scores, None, strength, |s| measure(s, *t)).unwrap_or(0.0);
-            (name.as_str(), thresholds.iter().map(at).collect())
+        .map(|scored| {
+            let at = |t: &f64| mean_score(&scored.scores, wanted, |s| measure(s, *t)).unwrap_or(0.0);
+            (scored.name.as_str(), thresholds.iter().map(at).collect())
         })
         .collect();
+    plot(title, "overlap", &thresholds, &lines)
+}
+
+/// Lines over x from 0 to 1, with a legend.
+pub fn plot(title: &str, axis: &str, xs: &[f64], lines: &[(&str, Vec<f64>)]) -> String {
     let highest = lines.iter().flat_map(|(_, values)| values).fold(1.0, |a: f64, b| a.max(*b)).ceil();
-    let place = |t: f64, value: f64| (LEFT + SIDE * t, TOP + SIDE * (1.0 - value / highest));
+    let place = |x: f64, value: f64| (LEFT + SIDE * x, TOP + SIDE * (1.0 - value / highest));
 
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" font-family=\"sans-serif\" \
@@ -67,23 +82,26 @@ fn curves(scores: &Scores, title: &str, strength: u32, measure: fn(&Score, f64) 
     }
     let _ = writeln!(
         svg,
-        "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">overlap</text>",
+        "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{axis}</text>",
         LEFT + SIDE / 2.0,
         TOP + SIDE + 40.0
     );
     for (number, (name, values)) in lines.iter().enumerate() {
         let colour = COLOURS[number % COLOURS.len()];
-        let points: Vec<String> = thresholds
+        // When colours run out, lines are dashed.
+        let dashes = if number < COLOURS.len() { "" } else { " stroke-dasharray=\"5 3\"" };
+        let points: Vec<String> = xs
             .iter()
             .zip(values)
-            .map(|(t, value)| place(*t, *value))
+            .map(|(x, value)| place(*x, *value))
             .map(|(x, y)| format!("{x:.1},{y:.1}"))
             .collect();
         let (x, y) = (LEFT + SIDE + 20.0, TOP + 14.0 + 20.0 * number as f64);
         let _ = writeln!(
             svg,
-            "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.8\"/>\n\
-             <path d=\"M{x} {}h24\" stroke=\"{colour}\" stroke-width=\"3\"/><text x=\"{}\" y=\"{y}\">{name}</text>",
+            "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.8\"{dashes}/>\n\
+             <path d=\"M{x} {}h24\" stroke=\"{colour}\" stroke-width=\"3\"{dashes}/>\
+             <text x=\"{}\" y=\"{y}\">{name}</text>",
             points.join(" "),
             y - 4.0,
             x + 32.0

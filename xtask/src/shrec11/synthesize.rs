@@ -9,7 +9,8 @@ use rayon::prelude::*;
 use super::Arguments;
 use crate::evaluate::mesh;
 
-/// Makes what is not there yet, and returns the folder.
+/// Makes it, and returns the folder. That takes seconds, so it is always made anew: what lies there
+/// may come from an earlier version or an interrupted run.
 pub fn benchmark(arguments: &Arguments) -> Result<PathBuf, Box<dyn Error>> {
     let folder = arguments.output.join("benchmark");
     let writer = BenchmarkWriter::create(&folder)?;
@@ -20,18 +21,13 @@ pub fn benchmark(arguments: &Arguments) -> Result<PathBuf, Box<dyn Error>> {
         null = null.with_symmetry(read_symmetry(path, vertices)?)?;
     }
     writer.null_shape(1, &null)?;
-    let wanted =
-        |class: &Class| arguments.classes.is_empty() || arguments.classes.iter().any(|c| c == class.name());
     let tasks: Vec<(Class, u32)> = Class::ALL
         .into_iter()
-        .filter(wanted)
         .flat_map(|class| (1..=5).map(move |strength| (class, strength)))
+        .filter(|(class, strength)| arguments.wants(class.name(), *strength))
         .collect();
     let make = |&(class, strength): &(Class, u32)| -> Result<(), String> {
         let name = ShapeName { null: 1, class: class.name().into(), strength };
-        if name.corr_path(&folder).exists() {
-            return Ok(());
-        }
         let made = if class == Class::Isometry {
             let Some(pose) = arguments.poses.get(strength as usize - 1) else { return Ok(()) };
             isometry(null.mesh(), &mesh(pose).map_err(|e| e.to_string())?)

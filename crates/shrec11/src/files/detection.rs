@@ -69,8 +69,12 @@ impl Detection {
             let numbers: Vec<String> = row.iter().map(f64::to_string).collect();
             let _ = writeln!(descriptors, "{}", numbers.join(" "));
         }
+        let path = descriptors_path(folder, name);
         if !descriptors.is_empty() {
-            save(descriptors_path(folder, name), &descriptors)?;
+            save(path, &descriptors)?;
+        } else if path.exists() {
+            // Of an earlier detection.
+            fs::remove_file(&path).map_err(|source| ShrecError::Write { path, source })?;
         }
         save(regions_path(folder, name), &regions)
     }

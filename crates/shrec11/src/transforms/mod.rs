@@ -13,6 +13,8 @@ use std::str::FromStr;
 
 use mser3d_shape::{BoundingBox, TriangleMesh};
 
+pub use warp::SpaceMap;
+
 use crate::random::Random;
 use crate::{ShrecError, SurfacePoint};
 
@@ -167,26 +169,21 @@ pub fn transform(
     strength: u32,
     seed: u64,
 ) -> Result<Transformed, ShrecError> {
-    if !(1..=5).contains(&strength) {
-        return Err(ShrecError::BadStrength { strength });
-    }
-    let diagonal = null.bounding_box().as_ref().map_or(0.0, BoundingBox::diagonal);
-    if !(null.area() > 0.0 && diagonal.is_finite()) {
-        return Err(ShrecError::NoSurface { class });
-    }
-    let s = f64::from(strength);
+    let setting = Setting::new(null, class, strength)?;
+    let (s, diagonal) = (setting.strength, setting.diagonal);
     let random = &mut Random::new(&[seed, class as u64, strength.into()]);
     let transformed = match class {
-        Class::Affine => warp::affine(null, 0.1 * s, random),
+        Class::Affine | Class::Localscale | Class::Scaling => {
+            let map = setting.map(null, class, random).ok_or(ShrecError::PoseNeeded)?;
+            warp::mapped(null, &map)
+        }
         Class::Holes => holes::holes(null, 2 * strength as usize, 0.04 * diagonal, random),
         Class::Isometry => return Err(ShrecError::PoseNeeded),
-        Class::Localscale => warp::localscale(null, s, 0.15 * diagonal, random),
         Class::Microholes => holes::microholes(null, 0.006 * s, random),
         Class::Noise => noise::noise(null, 0.002 * s * diagonal, random),
         Class::Partial => partial::partial(null, 1.0 - 0.08 * s, random),
         Class::Rasterize => rasterize::rasterize(null, 0.0025 * (s + 1.0) * diagonal),
         Class::Sampling => decimate::sampling(null, [0.6, 0.4, 0.25, 0.15, 0.08][strength as usize - 1]),
-        Class::Scaling => warp::scaling(null, [0.5, 0.875, 1.25, 1.625, 2.0][strength as usize - 1]),
         Class::Shotnoise => noise::shotnoise(null, 0.002 * s, 0.02 * diagonal, random),
         Class::Topology => topology::topology(null, 2 * strength as usize, 0.012 * diagonal, random),
         Class::View => partial::view(null, strength, seed),
@@ -195,6 +192,64 @@ pub fn transform(
         return Err(ShrecError::NoSurface { class });
     }
     Ok(transformed)
+}
+
+/// Where a point of the null shape's solid is on the transformed shape: the correspondence of volumes.
+/// `None` for [`Class::Isometry`], which has none. All but [`Class::Affine`], [`Class::Localscale`] and
+/// [`Class::Scaling`] leave every point where it is, even those next to the surface, which may then be
+/// outside.
+///
+/// ```
+/// # use mser3d_shape::TriangleMesh;
+/// use mser3d_shrec11::{space_map, Class};
+///
+/// # let corners = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
+/// # let null = TriangleMesh::new(corners, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])?;
+/// let twice = space_map(&null, Class::Scaling, 5, 1)?;
+/// assert_eq!(twice.map(|map| map([0.1, 0.2, 0.3])), Some([0.2, 0.4, 0.6]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// As [`transform`], but none for a pose.
+pub fn space_map(
+    null: &TriangleMesh,
+    class: Class,
+    strength: u32,
+    seed: u64,
+) -> Result<Option<SpaceMap>, ShrecError> {
+    let random = &mut Random::new(&[seed, class as u64, strength.into()]);
+    Ok(Setting::new(null, class, strength)?.map(null, class, random))
+}
+
+/// The sizes that a transform depends on.
+struct Setting {
+    strength: f64,
+    diagonal: f64,
+}
+
+impl Setting {
+    fn new(null: &TriangleMesh, class: Class, strength: u32) -> Result<Self, ShrecError> {
+        if !(1..=5).contains(&strength) {
+            return Err(ShrecError::BadStrength { strength });
+        }
+        let diagonal = null.bounding_box().as_ref().map_or(0.0, BoundingBox::diagonal);
+        if !(null.area() > 0.0 && diagonal.is_finite()) {
+            return Err(ShrecError::NoSurface { class });
+        }
+        Ok(Self { strength: strength.into(), diagonal })
+    }
+
+    fn map(&self, null: &TriangleMesh, class: Class, random: &mut Random) -> Option<SpaceMap> {
+        let s = self.strength;
+        Some(match class {
+            Class::Isometry => return None,
+            Class::Affine => warp::affine(0.1 * s, random),
+            Class::Localscale => warp::localscale(null, s, 0.15 * self.diagonal, random),
+            Class::Scaling => warp::scaling([0.5, 0.875, 1.25, 1.625, 2.0][s as usize - 1]),
+            _ => Box::new(|p| p),
+        })
+    }
 }
 
 /// Another pose of the null shape, with the same vertices in the same order.
