@@ -67,7 +67,8 @@ impl ComponentTree {
         for number in [polarity, differ, self.len() as u64, self.vertices.len() as u64, uniform.to_bits()] {
             to.write_all(&number.to_le_bytes())?;
         }
-        for numbers in [&self.parents, &self.ends, &self.vertices] {
+        let ends: Vec<u32> = (0..self.len() as u32).map(|node| self.end(node) as u32).collect();
+        for numbers in [&self.parents, &ends, &self.vertices] {
             write_all(&mut to, numbers, |n| n.to_le_bytes())?;
         }
         write_all(&mut to, &self.altitudes, |x| x.to_le_bytes())?;

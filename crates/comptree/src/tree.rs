@@ -20,15 +20,15 @@ use crate::{Polarity, Volumes};
 /// which are there at any level, are no nodes, but for a vertex without edges: it is a root of altitude
 /// -inf (+inf for superlevel sets).
 ///
-/// Memory: 20 bytes a node and vertex; 8 more once slices and [`node_of`](Self::node_of) are used, and 8
-/// with volumes that differ.
+/// Memory: 12 bytes a node and 4 a vertex, with 4 more a node unless each has just one vertex; 4 more each
+/// once slices and [`node_of`](Self::node_of) are used, and 8 a node with volumes that differ.
 #[derive(Clone, Debug)]
 pub struct ComponentTree {
     pub(crate) polarity: Polarity,
     pub(crate) parents: Vec<u32>,
     pub(crate) altitudes: Vec<f64>,
-    /// End of each node's slice of `vertices`.
-    pub(crate) ends: Vec<u32>,
+    /// End of each node's slice of `vertices`; empty if each has one vertex of its own.
+    ends: Vec<u32>,
     /// All vertices by their node, ascending in each.
     pub(crate) vertices: Vec<u32>,
     pub(crate) volumes: NodeVolumes,
@@ -49,6 +49,7 @@ pub(crate) enum NodeVolumes {
 pub(crate) struct Nodes {
     pub parents: Vec<u32>,
     pub altitudes: Vec<f64>,
+    /// May be empty if each node has one vertex of its own.
     pub ends: Vec<u32>,
     pub vertices: Vec<u32>,
 }
@@ -56,7 +57,10 @@ pub(crate) struct Nodes {
 impl ComponentTree {
     /// Wraps the nodes and sums volumes, each in the fixed order of its slice.
     pub(crate) fn assemble(nodes: Nodes, volumes: Volumes<'_>, polarity: Polarity) -> Self {
-        let Nodes { parents, altitudes, ends, vertices } = nodes;
+        let Nodes { parents, altitudes, mut ends, vertices } = nodes;
+        if ends.len() == vertices.len() && ends.iter().copied().eq(1..=ends.len() as u32) {
+            ends = Vec::new();
+        }
         let mut tree = Self {
             polarity,
             parents,
@@ -160,8 +164,7 @@ impl ComponentTree {
     /// The vertices of a node that none of its children has, ascending.
     #[inline]
     pub fn own_vertices(&self, node: u32) -> &[u32] {
-        let start = if node == 0 { 0 } else { self.ends[node as usize - 1] };
-        &self.vertices[start as usize..self.ends[node as usize] as usize]
+        &self.vertices[self.start(node)..self.end(node)]
     }
 
     /// The permutation of the vertices that all nodes are slices of.
@@ -218,8 +221,19 @@ impl ComponentTree {
     #[inline]
     fn slice(&self, node: u32) -> Range<usize> {
         let first = self.first_descendants()[node as usize];
-        let start = if first == 0 { 0 } else { self.ends[first as usize - 1] };
-        start as usize..self.ends[node as usize] as usize
+        self.start(first)..self.end(node)
+    }
+
+    /// Where a node's own vertices begin.
+    #[inline]
+    fn start(&self, node: u32) -> usize {
+        if node == 0 { 0 } else { self.end(node - 1) }
+    }
+
+    /// Where a node's vertices end.
+    #[inline]
+    pub(crate) fn end(&self, node: u32) -> usize {
+        if self.ends.is_empty() { node as usize + 1 } else { self.ends[node as usize] as usize }
     }
 
     #[inline]

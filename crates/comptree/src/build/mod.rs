@@ -6,25 +6,34 @@
 //! 1. every vertex points to its lowest neighbour by (value, number) or, with weights on edges, along its
 //!    lowest edge; following these pointers gives each vertex the minimum it descends to: its *basin*
 //!    ([`basins`]);
-//! 2. Kruskal's algorithm on the graph of basins, an edge between two basins for each edge between
-//!    vertices of both, gives the tree of basins: its *arcs* ([`arcs`]);
-//! 3. every vertex climbs from its basin's arc to the arc that spans the level at which it enters, and
-//!    there vertices are sorted by level ([`augment`]).
+//! 2. of the edges between basins a minimum spanning forest is found ([`saddles`]), and Kruskal's algorithm
+//!    joins the basins along it to *branches*: each goes from a minimum up to where it joins a branch
+//!    with at least as many basins ([`branches`]). Nothing lies below more than a logarithmic number of
+//!    branches;
+//! 3. every vertex climbs from its basin's branch to the one that is there at the level at which it
+//!    enters; there vertices are sorted by level ([`sorted`]);
+//! 4. branches are cut where others join ([`segments`]), the segments are put in postorder ([`arrange`]),
+//!    and each level in them becomes a node ([`emit`]).
 //!
 //! Why this is exact: a vertex is joined to its minimum by a path that never rises above the level at
 //! which it enters. So two vertices are connected at a level above both if and only if their minima are,
 //! and for these only edges between basins matter. Of equal values the order of step 1 only decides which
-//! minimum, and arcs of no length are dropped.
-mod arcs;
-mod augment;
+//! minimum; branches of no length have no vertices and make no nodes.
+mod arrange;
 mod basins;
+mod branches;
 mod edge_relief;
 mod edges;
+mod emit;
 mod relief;
-mod trunk;
+mod saddles;
+mod segments;
+mod sorted;
 mod vertices;
 
+use branches::Branches;
 use relief::Relief;
+use sorted::Sorted;
 
 use crate::{ComponentTree, Polarity, TreeError, Volumes};
 
@@ -49,8 +58,12 @@ fn build<R: Relief>(
     volumes.check(relief.len())?;
     let parts = parts(relief.len());
     let basins = basins::find(relief, parts);
-    let arcs = arcs::merge_basins(relief, &basins, parts);
-    let nodes = augment::place(relief, polarity, basins.labels, &arcs, parts);
+    let saddles = saddles::find(relief, &basins, parts);
+    let births = basins.minima.iter().map(|&v| relief.level(v)).collect();
+    let branches = Branches::new(births, &saddles);
+    drop(saddles);
+    let (sorted, labels) = Sorted::new(relief, basins.labels, &branches, parts);
+    let nodes = emit::nodes(relief, &branches, sorted, labels, polarity);
     Ok(ComponentTree::assemble(nodes, volumes, polarity))
 }
 

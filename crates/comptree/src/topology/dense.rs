@@ -1,5 +1,7 @@
 use std::ops::Range;
 
+use mser3d_shape::Bits;
+
 use super::{Topology, lower, split_evenly};
 use crate::{GreyValue, TreeError};
 
@@ -149,12 +151,21 @@ impl Topology for DenseGrid {
     }
 
     fn visit(&self, range: Range<usize>, mut f: impl FnMut(u32, &[u32])) {
-        let nx = self.dims[0] as i64;
+        let nx = self.dims[0];
         let mut neighbours = Vec::with_capacity(26);
         self.rows(range, |row, steps| {
+            let six: Option<[isize; 6]> = (steps.len() == 6).then(|| std::array::from_fn(|k| steps[k].0));
             for (i, v) in row.enumerate() {
+                // Inside, most vertices of most grids, nothing is to be checked.
+                if let Some(offsets) = six
+                    && i > 0
+                    && i + 1 < nx
+                {
+                    f(v as u32, &offsets.map(|o| v.wrapping_add_signed(o) as u32));
+                    continue;
+                }
                 neighbours.clear();
-                let inside = |step: &&(isize, i32)| (0..nx).contains(&(i as i64 + i64::from(step.1)));
+                let inside = |step: &&(isize, i32)| (0..nx as i64).contains(&(i as i64 + i64::from(step.1)));
                 neighbours.extend(steps.iter().filter(inside).map(|s| v.wrapping_add_signed(s.0) as u32));
                 f(v as u32, &neighbours);
             }
@@ -198,25 +209,32 @@ impl Topology for DenseGrid {
     }
 
     fn boundary(&self, range: Range<usize>, labels: &[u32], mut f: impl FnMut(u32, u32)) {
-        /// Most blocks lie in one basin: they are compared whole.
-        const BLOCK: usize = 64;
         self.rows(range, |row, steps| {
             for &(offset, x) in steps.iter().filter(|s| s.0 > 0) {
                 let start = row.start + usize::from(x < 0);
-                let end = row.end - usize::from(x > 0);
-                let mut at = start;
-                while at < end {
-                    let stop = end.min(at + BLOCK);
-                    let to = at.wrapping_add_signed(offset);
-                    let (here, there) = (&labels[at..stop], &labels[to..to + (stop - at)]);
-                    if here != there {
-                        for i in (0..here.len()).filter(|&i| here[i] != there[i]) {
-                            f((at + i) as u32, (to + i) as u32);
-                        }
+                let len = row.end - usize::from(x > 0) - start;
+                let to = start.wrapping_add_signed(offset);
+                let (here, there) = (&labels[start..start + len], &labels[to..to + len]);
+                for (block, (a, b)) in here.chunks(64).zip(there.chunks(64)).enumerate() {
+                    for bit in Bits(differing(a, b)) {
+                        let i = block * 64 + bit as usize;
+                        f((start + i) as u32, (to + i) as u32);
                     }
-                    at = stop;
                 }
             }
         });
     }
+}
+
+/// One bit for each of up to 64 pairs: whether they differ.
+#[inline(always)]
+fn differing(a: &[u32], b: &[u32]) -> u64 {
+    let mut bytes = [0u8; 64];
+    for (byte, (a, b)) in bytes.iter_mut().zip(a.iter().zip(b)) {
+        *byte = u8::from(a != b);
+    }
+    // Eight bytes of 0 or 1 become the eight highest bits of the product.
+    let pack = |eight: &[u8; 8]| u64::from_le_bytes(*eight).wrapping_mul(0x0102_0408_1020_4080) >> 56;
+    let (eights, _) = bytes.as_chunks::<8>();
+    eights.iter().rev().fold(0, |bits, eight| bits << 8 | pack(eight))
 }

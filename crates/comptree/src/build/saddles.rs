@@ -1,0 +1,122 @@
+use std::ops::Range;
+
+use mser3d_shape::DisjointSets;
+use rayon::prelude::*;
+
+use super::basins::Basins;
+use super::relief::Relief;
+use crate::order::NONE;
+
+/// An edge between basins at the level where it enters.
+#[derive(Clone, Copy)]
+pub(super) struct Saddle {
+    pub level: f64,
+    /// The smaller first.
+    pub basins: [u32; 2],
+}
+
+impl Saddle {
+    const NONE: Self = Self { level: f64::INFINITY, basins: [NONE; 2] };
+
+    /// A strict order: of equal levels, the one between the smaller basins comes first.
+    #[inline(always)]
+    fn before(&self, other: &Self) -> bool {
+        self.level < other.level || self.level == other.level && self.basins < other.basins
+    }
+}
+
+/// The edges of a minimum spanning forest of the basins, and perhaps a few more, by ascending level.
+pub(super) fn find<R: Relief>(relief: &R, basins: &Basins, parts: usize) -> Vec<Saddle> {
+    let mut saddles = forest(between(relief, &basins.labels, parts), basins.minima.len());
+    sort(&mut saddles, parts);
+    saddles
+}
+
+/// By level: sorted runs, one a thread, which the stable sort then only merges.
+fn sort(saddles: &mut [Saddle], parts: usize) {
+    let order = |a: &Saddle, b: &Saddle| a.level.total_cmp(&b.level);
+    if parts > 1 {
+        let run = saddles.len().div_ceil(parts).max(1);
+        saddles.par_chunks_mut(run).for_each(|run| run.sort_unstable_by(order));
+        saddles.sort_by(order);
+    } else {
+        saddles.sort_unstable_by(order);
+    }
+}
+
+/// The edges between basins, of most pairs of basins only the lowest.
+fn between<R: Relief>(relief: &R, labels: &[u32], parts: usize) -> Vec<Saddle> {
+    let collect = |range: &Range<usize>| {
+        let mut recent = Recent::new();
+        relief.boundary(range.clone(), labels, |v, w, level| {
+            let [a, b] = [labels[v as usize], labels[w as usize]];
+            recent.add(Saddle { level, basins: [a.min(b), a.max(b)] });
+        });
+        recent.list
+    };
+    let found: Vec<Vec<Saddle>> = relief.split_edges(parts).par_iter().map(collect).collect();
+    let mut found = found.into_iter();
+    let mut all = found.next().unwrap_or_default();
+    found.for_each(|more| all.extend(more));
+    all
+}
+
+/// A list of edges that knows where the pairs of basins met last are: two basins mostly meet along a
+/// surface, of which only the lowest edge counts.
+struct Recent {
+    list: Vec<Saddle>,
+    places: Vec<u32>,
+}
+
+impl Recent {
+    const BITS: u32 = 12;
+
+    fn new() -> Self {
+        Self { list: Vec::new(), places: vec![0; 1 << Self::BITS] }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, saddle: Saddle) {
+        let [a, b] = saddle.basins;
+        let hash = a.wrapping_mul(0x9E37_79B1).wrapping_add(b).wrapping_mul(0x85EB_CA77);
+        let place = &mut self.places[(hash >> (32 - Self::BITS)) as usize];
+        match self.list.get_mut(*place as usize) {
+            Some(known) if known.basins == saddle.basins => known.level = known.level.min(saddle.level),
+            _ => {
+                *place = self.list.len() as u32;
+                self.list.push(saddle);
+            }
+        }
+    }
+}
+
+/// Thins out a list of edges by Borůvka's rounds: each chooses the lowest edge out of every group of
+/// basins, and drops the edges within what it joins.
+fn forest(mut list: Vec<Saddle>, count: usize) -> Vec<Saddle> {
+    let mut sets = DisjointSets::new(count);
+    let mut group: Vec<u32> = (0..count as u32).collect();
+    let mut forest = Vec::with_capacity(count);
+    // A few edges more cost less than another round.
+    while list.len() > count / 8 {
+        let mut best = vec![Saddle::NONE; count];
+        for saddle in &list {
+            for basin in saddle.basins {
+                let best = &mut best[group[basin as usize] as usize];
+                if saddle.before(best) {
+                    *best = *saddle;
+                }
+            }
+        }
+        for edge in best.into_iter().filter(|edge| edge.basins[0] != NONE) {
+            if sets.union(edge.basins[0], edge.basins[1]).is_some() {
+                forest.push(edge);
+            }
+        }
+        for (basin, group) in group.iter_mut().enumerate() {
+            *group = sets.find(basin as u32);
+        }
+        list.retain(|saddle| group[saddle.basins[0] as usize] != group[saddle.basins[1] as usize]);
+    }
+    forest.append(&mut list);
+    forest
+}
