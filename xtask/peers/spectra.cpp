@@ -61,6 +61,14 @@ std::vector<T> read(std::ifstream& file, size_t count) {
     return values;
 }
 
+// Bytes. Not ru_maxrss: that of a process started by a larger one is the larger one's.
+static long peak_memory() {
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);)
+        if (line.rfind("VmHWM:", 0) == 0) return 1024L * std::atol(line.c_str() + 6);
+    return 0;
+}
+
 static double cpu_seconds() {
     rusage usage;
     getrusage(RUSAGE_SELF, &usage);
@@ -106,8 +114,7 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "%d of %d converged\n", static_cast<int>(found), k);
         return 1;
     }
-    rusage usage;
-    getrusage(RUSAGE_SELF, &usage);
+    const long peak = peak_memory();
 
     const bool ascending = k < 2 || eigenvalues[0] <= eigenvalues[k - 1];
     std::ofstream out(argv[4], std::ios::binary);
@@ -115,5 +122,5 @@ int main(int argc, char** argv) {
     for (int i = 0; i < k; ++i) write(eigenvalues[ascending ? i : k - 1 - i]);
     for (int row = 0; row < n; ++row)
         for (int i = 0; i < k; ++i) write(vectors(row, ascending ? i : k - 1 - i) / std::sqrt(mass[row]));
-    std::printf("{\"cpu\": %.6f, \"wall\": %.6f, \"peak\": %ld}\n", used, wall.count(), usage.ru_maxrss * 1024L);
+    std::printf("{\"cpu\": %.6f, \"wall\": %.6f, \"peak\": %ld}\n", used, wall.count(), peak);
 }

@@ -114,7 +114,9 @@ def main():
     wall, used = time.perf_counter(), cpu()
     values, vectors = solve()
     wall, used = time.perf_counter() - wall, cpu() - used
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    # Not ru_maxrss: that of a process started by a larger one is the larger one's.
+    status = Path("/proc/self/status").read_text()
+    peak = 1024 * next(int(line.split()[1]) for line in status.splitlines() if line.startswith("VmHWM:"))
     with open(out, "wb") as file:
         file.write(values.astype("<f8").tobytes())
         file.write(vectors.astype("<f8").tobytes(order="C"))
