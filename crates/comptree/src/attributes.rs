@@ -96,9 +96,13 @@ impl ComponentTree {
     ///
     /// The same number for all nodes from a minimum up to that merge. Not negative for either polarity.
     pub fn persistence(&self) -> Vec<f64> {
-        let level = |node: u32| self.polarity().orient(self.altitude(node));
+        self.persistence_of(|node| self.polarity().orient(self.altitude(node)))
+    }
+
+    /// The same on another scale: `level` rises towards the root.
+    pub(crate) fn persistence_of(&self, level: impl Fn(u32) -> f64) -> Vec<f64> {
         // The lowest level in each node, and the child it comes from.
-        let mut lowest: Vec<f64> = (0..self.len() as u32).map(level).collect();
+        let mut lowest: Vec<f64> = (0..self.len() as u32).map(&level).collect();
         let mut from = vec![NONE; self.len()];
         for node in 0..self.len() {
             let parent = self.parents[node];

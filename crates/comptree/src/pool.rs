@@ -5,13 +5,13 @@ use crate::{ComponentTree, Selection, TreeError};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PoolParameters {
     /// A region goes if its overlap with a kept one, vol(A and B) / vol(A or B), is this or more.
-    /// 0 to 1; anything above 1 keeps all. Default 0.7.
+    /// 0 to 1; anything above 1 keeps all. Default 0.8.
     pub duplicate_overlap: f64,
 }
 
 impl Default for PoolParameters {
     fn default() -> Self {
-        Self { duplicate_overlap: 0.7 }
+        Self { duplicate_overlap: 0.8 }
     }
 }
 

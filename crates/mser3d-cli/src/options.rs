@@ -5,20 +5,21 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use mser3d::comptree::{AltitudeScale, Mode, Polarity};
 use mser3d::descriptors::{HksParameters, TimeScale};
-use mser3d::shape::{Connectivity, Domain};
+use mser3d::shape::Domain;
 use mser3d::spectral::Eigensolver;
-use mser3d::voxelize::{Method, Overlap, Pitch};
 use mser3d::{Descriptor, Parameters, Weight};
 
 use crate::error::CliError;
 use crate::machine::available_memory;
+use crate::voxel_options::VoxelOptions;
 
 /// Options of everything that computes regions.
 #[derive(clap::Args, Clone, Debug)]
 pub struct RegionOptions {
     /// Search the surface instead of the volume inside
     #[arg(long, help_heading = "Method",
-          conflicts_with_all = ["size", "connectivity", "inside", "overlap", "no_cut_links"])]
+          conflicts_with_all = ["size", "origin", "connectivity", "inside", "overlap", "no_cut_links", "open",
+                                "close"])]
     pub surface: bool,
     /// What the component tree is built on
     #[arg(long, value_enum, default_value_t = WeightArg::Heat, help_heading = "Method")]
@@ -45,27 +46,8 @@ pub struct RegionOptions {
     #[arg(long, value_enum, help_heading = "Method")]
     pub polarity: Option<PolarityArg>,
 
-    /// Voxels in the solid, about [default: 45000]
-    #[arg(long, value_name = "N", value_parser = count, group = "size", help_heading = "Voxels")]
-    pub voxels: Option<usize>,
-    /// Voxels on the longest axis
-    #[arg(long, value_name = "N", value_parser = count, group = "size", help_heading = "Voxels")]
-    pub resolution: Option<usize>,
-    /// Edge of a voxel, in the input's units (of a mask: 1 by default)
-    #[arg(long, value_name = "H", value_parser = positive, group = "size", help_heading = "Voxels")]
-    pub pitch: Option<f64>,
-    /// Neighbours of a voxel in the tree (the Laplacian has 6)
-    #[arg(long, value_enum, default_value_t = ConnectivityArg::Six, help_heading = "Voxels")]
-    pub connectivity: ConnectivityArg,
-    /// How inside is told from outside
-    #[arg(long, value_enum, default_value_t = MethodArg::Auto, help_heading = "Voxels")]
-    pub inside: MethodArg,
-    /// What to do where the solid overlaps itself
-    #[arg(long, value_enum, default_value_t = OverlapArg::Auto, help_heading = "Voxels")]
-    pub overlap: OverlapArg,
-    /// Link all neighbours, even where the surface runs between them
-    #[arg(long, help_heading = "Voxels")]
-    pub no_cut_links: bool,
+    #[command(flatten)]
+    pub voxels: VoxelOptions,
 
     /// Smallest eigenpairs of the Laplacian [default: 100, or as many as a small shape has]
     #[arg(long, value_name = "K", value_parser = count, help_heading = "Spectrum")]
@@ -105,7 +87,7 @@ pub struct RegionOptions {
     #[arg(long, value_name = "S", help_heading = "Regions")]
     pub min_stability: Option<f64>,
     /// Overlap from which regions of two time scales are one
-    #[arg(long, value_name = "F", value_parser = fraction, default_value_t = 0.7, help_heading = "Regions")]
+    #[arg(long, value_name = "F", value_parser = fraction, default_value_t = 0.8, help_heading = "Regions")]
     pub duplicate_overlap: f64,
     /// Heat kernel signature that describes a region
     #[arg(long, value_enum, default_value_t = DescriptorArg::SiHks, help_heading = "Regions")]
@@ -193,43 +175,10 @@ impl RegionOptions {
         if self.surface { Domain::Surface } else { Domain::Volume }
     }
 
-    /// The first option that makes voxels of a mesh, which a mask has no use for.
-    pub fn voxelizing(&self) -> Option<&'static str> {
-        let options = [
-            ("--voxels", self.voxels.is_some()),
-            ("--resolution", self.resolution.is_some()),
-            ("--inside", self.inside != MethodArg::Auto),
-            ("--overlap", self.overlap != OverlapArg::Auto),
-            ("--no-cut-links", self.no_cut_links),
-        ];
-        options.into_iter().find_map(|(name, given)| given.then_some(name))
-    }
-
     /// The library's parameters; values out of range are wrong use.
     pub fn parameters(&self) -> Result<Parameters, CliError> {
         let mut p = Parameters::default();
-        p.voxelize.pitch = match (self.voxels, self.resolution, self.pitch) {
-            (Some(n), _, _) => Pitch::Voxels(n),
-            (_, Some(n), _) => Pitch::Resolution(n),
-            (_, _, Some(h)) => Pitch::Size(h),
-            _ => p.voxelize.pitch,
-        };
-        p.voxelize.connectivity = match self.connectivity {
-            ConnectivityArg::Six => Connectivity::Six,
-            ConnectivityArg::TwentySix => Connectivity::TwentySix,
-        };
-        p.voxelize.method = match self.inside {
-            MethodArg::Auto => Method::Auto,
-            MethodArg::Parity => Method::Parity,
-            MethodArg::Vote => Method::Vote,
-            MethodArg::Winding => Method::Winding,
-        };
-        p.voxelize.overlap = match self.overlap {
-            OverlapArg::Auto => Overlap::Auto,
-            OverlapArg::Part => Overlap::Part,
-            OverlapArg::Join => Overlap::Join,
-        };
-        p.voxelize.cut_links = !self.no_cut_links;
+        p.voxelize = self.voxels.parameters()?;
         p.spectrum.eigenpairs = self.eigenpairs.unwrap_or(p.spectrum.eigenpairs);
         p.spectrum.tolerance = self.tolerance;
         p.spectrum.solver = match self.solver {
@@ -287,7 +236,8 @@ pub fn count(text: &str) -> Result<usize, String> {
     }
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+/// A number greater than zero.
+pub fn positive(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "not a number")?;
     (value.is_finite() && value > 0.0).then_some(value).ok_or("must be positive and finite".into())
 }

@@ -19,6 +19,8 @@ pub struct Region {
     /// Volume over its change with log altitude (eq. 5); infinite if it does not change over the
     /// window, NaN in the baseline mode, which measures none.
     pub stability: f64,
+    /// How long its part stays on its own, in log altitude: a second score to rank regions by.
+    pub persistence: f64,
     /// Volume in length^3, or area in length^2.
     pub volume: f64,
     /// Volume over that of the whole body.
@@ -102,6 +104,7 @@ pub fn find_regions(
                 tree: region.tree,
                 altitude: stable.altitude,
                 stability: stable.stability,
+                persistence: stable.persistence,
                 volume: region.volume,
                 volume_fraction: region.volume / measure,
                 vertices: vertices.map(|(v, _)| v).collect(),

@@ -9,6 +9,8 @@ pub(super) struct Branch {
     pub volumes: Vec<f64>,
     /// The level of the merge that ends it; for a root's branch its last level.
     pub end: f64,
+    /// Whether a real merge ends it, not the end of the whole tree.
+    pub merges: bool,
 }
 
 /// Visits each branch whose top has at least the volume `smallest`.
@@ -46,6 +48,7 @@ pub(super) fn for_each(levels: &Levels<'_>, smallest: f64, mut visit: impl FnMut
         branch.volumes.clear();
         branch.volumes.extend(branch.nodes.iter().map(|&node| tree.volume(node)));
         branch.end = parent_level.unwrap_or(branch.levels[kept - 1]);
+        branch.merges = parent_level.is_some();
         visit(&branch);
     }
 }

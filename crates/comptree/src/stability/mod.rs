@@ -19,6 +19,10 @@ pub struct StableRegion {
     /// infinite for a region that does not change over the window. NaN in [`Mode::Baseline`], which
     /// knows none.
     pub stability: f64,
+    /// How long the part that the region belongs to stays on its own: from its first vertex to the merge
+    /// with a component that began earlier, in units of the altitude on the chosen scale
+    /// ([`ComponentTree::persistence`]). Another score to rank regions by.
+    pub persistence: f64,
     /// The sum of the volumes of its vertices.
     pub volume: f64,
     /// The smallest selected region that contains this one, as a place in [`Selection::regions`].
@@ -99,7 +103,7 @@ pub fn stable_regions(
         filter(&mut report.unstable, &|c| c.stability.is_nan() || c.stability >= least);
     }
     let before = candidates.len();
-    let regions = diverse(tree, candidates, parameters.min_diversity);
+    let regions = diverse(&levels, candidates, parameters.min_diversity);
     report.overlapping = before - regions.len();
     report.kept = regions.len();
     Ok(Selection { regions, report })
@@ -125,25 +129,27 @@ pub fn stability(tree: &ComponentTree, parameters: &StabilityParameters) -> Resu
 }
 
 /// Drops each candidate whose nearest surviving ancestor is nearly as large, and orders the rest.
-fn diverse(tree: &ComponentTree, candidates: Vec<Candidate>, min_diversity: f64) -> Vec<StableRegion> {
-    nest(tree, candidates, |volume, larger| volume > (1.0 - min_diversity) * larger)
+fn diverse(levels: &Levels<'_>, candidates: Vec<Candidate>, min_diversity: f64) -> Vec<StableRegion> {
+    nest(levels, candidates, |volume, larger| volume > (1.0 - min_diversity) * larger)
 }
 
-/// Regions from nodes that all stay.
+/// Regions from nodes that all stay, on the linear scale.
 pub(crate) fn arrange(tree: &ComponentTree, nodes: Vec<Candidate>) -> Vec<StableRegion> {
-    nest(tree, nodes, |_, _| false)
+    nest(&Levels { tree, scale: AltitudeScale::Linear }, nodes, |_, _| false)
 }
 
 /// Regions with their parents, by descending volume, but for those that `goes` drops for their volume
 /// and that of the nearest ancestor that stays.
 fn nest(
-    tree: &ComponentTree,
+    levels: &Levels<'_>,
     mut candidates: Vec<Candidate>,
     goes: impl Fn(f64, f64) -> bool,
 ) -> Vec<StableRegion> {
     // In descending order of nodes ancestors come before descendants, and what lies between a node and
     // an ancestor on the stack descends from that ancestor too.
     candidates.sort_unstable_by_key(|c| std::cmp::Reverse(c.node));
+    let tree = levels.tree;
+    let persistence = tree.persistence_of(|node| levels.of(node));
     let mut regions: Vec<StableRegion> = Vec::new();
     let mut ancestors: Vec<usize> = Vec::new();
     for Candidate { node, stability } in candidates {
@@ -154,7 +160,8 @@ fn nest(
             continue;
         }
         ancestors.push(regions.len());
-        regions.push(StableRegion { node, altitude: tree.altitude(node), stability, volume, parent });
+        let (altitude, persistence) = (tree.altitude(node), persistence[node as usize]);
+        regions.push(StableRegion { node, altitude, stability, persistence, volume, parent });
     }
     let mut order: Vec<usize> = (0..regions.len()).collect();
     order.sort_unstable_by(|&a, &b| {

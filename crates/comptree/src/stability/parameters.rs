@@ -14,6 +14,10 @@ pub enum Mode {
     /// and a node is maximally stable if none within the window, and no neighbour on the branch, is more
     /// stable. The ends of the branch count; neighbours that tie are one maximum, and the largest stands
     /// for it.
+    ///
+    /// The last node of a branch that a real merge ends is always a candidate: it is where a limb meets
+    /// the body, and how much it grew just before depends on how blunt the limb is, not on whether it is
+    /// one. Without it, limbs of some poses are lost to a maximum next to it.
     Windowed {
         /// Half the width of the window, in units of the altitude on its scale (for
         /// [`AltitudeScale::Log`] a factor of e^window). Default 0.2; 0.05 finds more and finer regions.

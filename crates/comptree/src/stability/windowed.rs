@@ -6,7 +6,8 @@ use super::{Candidate, Levels};
 /// Instabilities that differ by less than this fraction tie: the width of a window is rounded.
 const TIE: f64 = 1e-12;
 
-/// The maximally stable nodes of every branch whose top has the volume `smallest`.
+/// The maximally stable nodes of every branch whose top has the volume `smallest`, and the last node
+/// before each real merge.
 pub(super) fn maxima(levels: &Levels<'_>, window: f64, smallest: f64) -> Vec<Candidate> {
     let mut candidates = Vec::new();
     branches::for_each(levels, smallest, |branch| {
@@ -24,7 +25,8 @@ pub(super) fn maxima(levels: &Levels<'_>, window: f64, smallest: f64) -> Vec<Can
             let beside = plateau.start.saturating_sub(1)..(i + 2).min(instability.len());
             let least =
                 plateau.map(|j| least[j]).chain(beside.map(|j| instability[j])).fold(f64::INFINITY, f64::min);
-            if instability[i] <= least * (1.0 + TIE) {
+            let before_merge = branch.merges && i + 1 == instability.len();
+            if before_merge || instability[i] <= least * (1.0 + TIE) {
                 candidates.push(Candidate { node: branch.nodes[i], stability: 1.0 / instability[i] });
             }
         }
