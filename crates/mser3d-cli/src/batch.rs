@@ -147,7 +147,7 @@ impl Work for Detection<'_> {
 /// Voxels or vertices, about.
 fn elements(input: &Input, domain: Domain, pitch: Pitch) -> usize {
     let mesh = match &input.contents {
-        Contents::Mask(mask) => return mask.count_ones(),
+        Contents::Mask(mask, _) => return mask.count_ones(),
         Contents::Mesh(loaded) => &loaded.mesh,
     };
     if domain == Domain::Surface {
@@ -158,6 +158,7 @@ fn elements(input: &Input, domain: Domain, pitch: Pitch) -> usize {
     match pitch {
         Pitch::Voxels(n) => n,
         Pitch::Size(pitch) => voxels(pitch),
+        Pitch::Spacing(lengths) => voxels(lengths.into_iter().product::<f64>().cbrt()),
         Pitch::Resolution(n) => {
             let extent = mesh.bounding_box().map_or([0.0; 3], |b| b.extent());
             voxels(extent.into_iter().fold(0.0, f64::max) / n as f64)

@@ -119,18 +119,21 @@ enum Subject<'a> {
 
 impl<'a> Subject<'a> {
     fn of(input: &'a Input, options: &RegionOptions) -> Result<Self, CliError> {
-        let mask = match &input.contents {
+        let (mask, frame) = match &input.contents {
             Contents::Mesh(loaded) => return Ok(Self::Mesh(&loaded.mesh)),
-            Contents::Mask(mask) => mask,
+            Contents::Mask(mask, frame) => (mask, frame),
         };
         if options.domain() == Domain::Surface {
             return Err(CliError::Usage("--surface needs a mesh; a voxel mask has no surface mesh".into()));
         }
-        if let Some(option) = options.voxelizing() {
+        if let Some(option) = options.voxels.first_given() {
             return Err(CliError::Usage(format!("{option} needs a mesh; a voxel mask is voxels already")));
         }
         let failed = |e| CliError::Shape { path: input.path.clone(), source: mser3d::Error::from(e) };
-        let frame = Frame::new(mask.dims(), [0.0; 3], [options.pitch.unwrap_or(1.0); 3]).map_err(failed)?;
+        let frame = match options.voxels.pitch() {
+            Some(pitch) => Frame::new(mask.dims(), [0.0; 3], [pitch; 3]).map_err(failed)?,
+            None => *frame,
+        };
         let whole = VoxelGrid::solid(frame, mask.clone()).map_err(failed)?;
         let voxels = whole.len();
         let (grid, components, dropped) = whole.largest_component();

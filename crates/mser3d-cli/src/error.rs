@@ -15,6 +15,8 @@ pub enum CliError {
     #[error(transparent)]
     File(#[from] mser3d_meshio::MeshIoError),
     #[error(transparent)]
+    Volume(#[from] mser3d_volumeio::VolumeIoError),
+    #[error(transparent)]
     Collection(#[from] CollectionError),
     #[error(transparent)]
     Results(#[from] mser3d_results::ResultsError),
@@ -37,6 +39,7 @@ fn advice(error: &mser3d::Error) -> &'static str {
         mser3d::Error::Voxelize(VoxelizeError::NoVolume { .. }) => {
             ", or search the surface alone (--surface)"
         }
+        mser3d::Error::Voxelize(VoxelizeError::Soup { .. }) => ": --inside vote",
         _ => "",
     }
 }

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use mser3d::shape::{BitGrid, TriangleMesh};
-use mser3d_meshio::{LoadedMesh, MeshFormat, MeshIoError, ReadOptions, read_mask, read_mesh_from};
+use mser3d::shape::{BitGrid, Frame, TriangleMesh};
+use mser3d_meshio::{LoadedMesh, MeshFormat, MeshIoError, ReadOptions, read_mesh_from};
+use mser3d_volumeio::{VolumeFormat, read_volume};
 use sha2::{Digest, Sha256};
 
 use crate::error::CliError;
@@ -11,7 +12,8 @@ use crate::error::CliError;
 /// Which file, and which pose in it.
 #[derive(clap::Args, Clone, Debug)]
 pub struct InputArgs {
-    /// Mesh (.obj .gltf .glb .off .ply .stl), or a solid as a voxel mask (.npy, indexed [x, y, z])
+    /// Mesh (.obj .gltf .glb .off .ply .stl), or a solid as a voxel mask: .npy, indexed [x, y, z], .nii,
+    /// .nii.gz, .nrrd or .tif, whose voxels that are not 0 are inside
     pub input: PathBuf,
     /// glTF animation that poses the figure, by name or number from 0
     #[arg(long, value_name = "NAME", help_heading = "Input")]
@@ -24,7 +26,8 @@ pub struct InputArgs {
 /// What the file holds.
 pub enum Contents {
     Mesh(Box<LoadedMesh>),
-    Mask(BitGrid),
+    /// The voxels inside, and their grid.
+    Mask(BitGrid, Frame),
 }
 
 /// A file that was read.
@@ -45,13 +48,21 @@ impl Input {
         let read = |source| MeshIoError::Read { path: path.clone(), source };
         let bytes = std::fs::read(path).map_err(read)?;
         let sha256 = hex(Sha256::digest(&bytes));
-        if is_mask(path) && args.animation.is_some() {
+        let format = VolumeFormat::of(path);
+        if format.is_some() && args.animation.is_some() {
             return Err(CliError::Usage(
                 "--animation needs a glTF file; a voxel mask has no animations".into(),
             ));
         }
-        let contents = if is_mask(path) {
-            Contents::Mask(read_mask(path)?)
+        let contents = if let Some(format) = format {
+            let volume = read_volume(path)?;
+            let mut frame = volume.frame()?;
+            if format == VolumeFormat::Npy {
+                // An array has no place of its own.
+                let failed = |e| CliError::Shape { path: path.clone(), source: mser3d::Error::from(e) };
+                frame = Frame::new(frame.dims(), [0.0; 3], [1.0; 3]).map_err(failed)?;
+            }
+            Contents::Mask(volume.mask()?, frame)
         } else {
             let format = MeshFormat::of(path, &bytes)?;
             Contents::Mesh(Box::new(read_mesh_from(format, &bytes, path, &options)?))
@@ -70,7 +81,7 @@ impl Input {
     pub fn loaded(&self) -> Option<&LoadedMesh> {
         match &self.contents {
             Contents::Mesh(loaded) => Some(loaded),
-            Contents::Mask(_) => None,
+            Contents::Mask(..) => None,
         }
     }
 
@@ -85,14 +96,14 @@ impl Input {
     }
 
     pub fn format(&self) -> String {
-        self.loaded().map_or("npy mask".into(), |loaded| loaded.format.to_string())
+        match (self.loaded(), VolumeFormat::of(&self.path)) {
+            (Some(loaded), _) => loaded.format.to_string(),
+            (None, Some(format)) => format!("{format} mask"),
+            (None, None) => "mask".into(),
+        }
     }
 }
 
 fn hex(digest: impl AsRef<[u8]>) -> String {
     digest.as_ref().iter().map(|b| format!("{b:02x}")).collect()
-}
-
-fn is_mask(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npy"))
 }

@@ -53,7 +53,7 @@ impl<'a> Findings<'a> {
     fn new(input: &'a Input, args: &InspectArgs) -> Self {
         let diagnosis = input.mesh().map(diagnose);
         let voxels = match &input.contents {
-            Contents::Mask(mask) => mask.count_ones(),
+            Contents::Mask(mask, _) => mask.count_ones(),
             Contents::Mesh(_) => args.voxels,
         };
         let volume = diagnosis.as_ref().map(|d| d.volume).filter(|&volume| volume > 0.0);
@@ -73,7 +73,7 @@ impl<'a> Findings<'a> {
         let animation =
             |a: &AnimationInfo| json!({ "index": a.index, "name": a.name, "start": a.start, "end": a.end });
         let mask = match &self.input.contents {
-            Contents::Mask(mask) => Some(json!({ "dims": mask.dims(), "voxels": self.voxels })),
+            Contents::Mask(mask, _) => Some(json!({ "dims": mask.dims(), "voxels": self.voxels })),
             Contents::Mesh(_) => None,
         };
         let report = json!({
@@ -105,7 +105,7 @@ impl<'a> Findings<'a> {
         if let (Some(loaded), Some(diagnosis)) = (input.loaded(), &self.diagnosis) {
             describe_mesh(&mut lines, loaded, diagnosis);
         }
-        if let Contents::Mask(mask) = &input.contents {
+        if let Contents::Mask(mask, _) = &input.contents {
             let [x, y, z] = mask.dims();
             lines.add("grid", format!("{x} x {y} x {z} voxels, {} inside", self.voxels));
         }

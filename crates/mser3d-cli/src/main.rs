@@ -21,6 +21,8 @@ mod render;
 mod table;
 mod version;
 mod view;
+mod voxel_options;
+mod voxelize;
 
 use std::io::ErrorKind;
 use std::process::ExitCode;
@@ -58,6 +60,9 @@ enum Command {
     /// Say what a mesh file holds, what is wrong with it, and what a run would take
     #[command(allow_negative_numbers = true)]
     Inspect(inspect::InspectArgs),
+    /// Turn a mesh into a voxel mask for other tools
+    #[command(allow_negative_numbers = true)]
+    Voxelize(voxelize::VoxelizeArgs),
     /// Draw a result as a PNG picture; no display needed
     Render(render::RenderArgs),
     /// Write a result as one file for Blender, browsers, MeshLab or ParaView
@@ -85,6 +90,7 @@ fn main() -> ExitCode {
     let result = log::start(cli.verbose).and_then(|()| match &cli.command {
         Command::Detect(args) => detect::run(args),
         Command::Inspect(args) => inspect::run(args),
+        Command::Voxelize(args) => voxelize::run(args),
         Command::Render(args) => render::run(args),
         Command::Export(args) => export::run(args),
         Command::View(args) => view::run(args),

@@ -1,5 +1,6 @@
 use crate::error::Fault;
 use crate::{Volume, VolumeIoError, nifti, npy, nrrd, tiff};
+use std::fmt;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
@@ -40,6 +41,17 @@ impl VolumeFormat {
             (".tiff", Self::Tiff),
         ];
         known.into_iter().find(|(extension, _)| name.ends_with(extension)).map(|(_, format)| format)
+    }
+}
+
+impl fmt::Display for VolumeFormat {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Npy => "npy",
+            Self::Nifti => "nifti",
+            Self::Nrrd => "nrrd",
+            Self::Tiff => "tiff",
+        })
     }
 }
 

@@ -7,7 +7,7 @@ use mser3d_shape::{DisjointSets, TriangleMesh};
 use std::borrow::Cow;
 
 /// A mesh read as a surface: vertices merged by position where that closes it, repeated triangles
-/// counted once where that closes it, neighbours oriented alike.
+/// counted once where that makes it simpler, neighbours oriented alike.
 pub(crate) struct Analysis<'m> {
     /// The edges of the file's own triangles.
     pub file: EdgeCounts,
@@ -50,10 +50,15 @@ impl<'m> Analysis<'m> {
         }
         let repeated = duplicates(&triangles, &edges);
         let mut dropped_duplicates = false;
-        if counts.odd > 0 && !repeated.is_empty() {
+        if !repeated.is_empty() {
             let once = Edges::new(vertices, &triangles, |t| repeated.binary_search(&t).is_err());
             let once_counts = EdgeCounts::of(&once);
-            if once_counts.odd < counts.odd {
+            let all_twice = 2 * repeated.len() >= triangles.len();
+            // Not where boxes share a wall: without its second face their edges would be odd.
+            let simpler = once_counts.non_manifold < counts.non_manifold
+                && once_counts.odd <= counts.odd
+                && once_counts.boundary <= counts.boundary;
+            if once_counts.odd < counts.odd || all_twice || simpler {
                 let mut kept = triangles.into_owned();
                 let mut t = 0;
                 kept.retain(|_| {

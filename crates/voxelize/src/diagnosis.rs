@@ -1,7 +1,9 @@
 use crate::analysis::Analysis;
 use crate::choice::{Reason, choose};
+use crate::coarse::Coarse;
+use crate::coverage::Rule;
 use crate::parameters::Method;
-use crate::surface::Surface;
+use crate::surface::{Body, Surface};
 use crate::vector::{area_vector, norm};
 use mser3d_shape::{BoundingBox, DisjointSets, TriangleMesh};
 
@@ -39,6 +41,10 @@ pub struct Diagnosis {
     pub components: usize,
     /// Bodies that face inwards although no other surrounds them.
     pub inverted_bodies: usize,
+    /// Bodies that face inwards because another surrounds them: holes in it.
+    pub cavities: usize,
+    /// Closed bodies that enclose nothing, like a sheet of two faces back to back.
+    pub flat_bodies: usize,
     /// Triangles with a repeated vertex or without area.
     pub degenerate_triangles: usize,
     /// Triangles that repeat the vertices of an earlier one.
@@ -90,6 +96,8 @@ pub fn diagnose(mesh: &TriangleMesh) -> Diagnosis {
     };
     let components = roots(&mut used);
     let unreferenced_vertices = referenced.iter().filter(|r| !**r).count();
+    let coarse = Coarse::of(&surface, Rule::Total { join: true }, Method::Winding);
+    let bodies = |test: fn(&Body) -> bool| surface.bodies.iter().filter(|b| test(b)).count();
     let file = &analysis.file;
     let characteristic =
         (referenced.len() - unreferenced_vertices) as i64 - file.total as i64 + mesh.triangles().len() as i64;
@@ -112,6 +120,8 @@ pub fn diagnose(mesh: &TriangleMesh) -> Diagnosis {
         one_sided_components: analysis.one_sided,
         components,
         inverted_bodies: surface.inverted,
+        cavities: bodies(|b| !b.scattered && !b.is_flat() && b.volume < 0.0),
+        flat_bodies: bodies(Body::is_flat),
         degenerate_triangles: degenerate_triangles(mesh),
         duplicate_triangles: analysis.duplicates.len(),
         signed_volume: mesh.signed_volume(),
@@ -120,7 +130,7 @@ pub fn diagnose(mesh: &TriangleMesh) -> Diagnosis {
         bounding_box: (!mesh.triangles().is_empty()).then_some(surface.bounds),
         euler_characteristic: characteristic,
         genus,
-        overlap_fraction: crate::voxelization::coarse_overlap(&surface),
+        overlap_fraction: coarse.ok().flatten().map(|coarse| coarse.overlap),
         method,
         reason,
     }

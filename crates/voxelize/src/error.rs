@@ -34,6 +34,18 @@ pub enum VoxelizeError {
         /// Edges with one triangle.
         boundary_edges: usize,
     },
+    /// Triangles that hang together hardly anywhere, and whose winding numbers are fractions all over.
+    #[error(
+        "the {triangles} triangles bound no solid: with {boundary_edges} boundary edges they hang together hardly \
+         anywhere, and their winding numbers are far from whole; mend the mesh, or count crossings along \
+         three axes (the method `vote`)"
+    )]
+    Soup {
+        /// Triangles of the mesh.
+        triangles: usize,
+        /// Edges with one triangle.
+        boundary_edges: usize,
+    },
     /// No voxel centre lies inside.
     #[error(
         "no voxel centre lies inside the surface: at pitch {pitch} the shape is thinner than a voxel; \
@@ -44,6 +56,15 @@ pub enum VoxelizeError {
         pitch: f64,
         /// A finer pitch.
         advice: f64,
+    },
+    /// Every voxel inside is covered more than once, and such voxels are left out.
+    #[error(
+        "all {voxels} voxels inside are covered more than once and were left out as an overlap; remove the \
+         surfaces that repeat others, or join overlaps (`join`)"
+    )]
+    Doubled {
+        /// Voxels covered more than once.
+        voxels: usize,
     },
     /// The grid given by the user misses the solid.
     #[error("no voxel centre of the given grid lies inside the surface; check its origin and spacing")]

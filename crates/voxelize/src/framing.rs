@@ -1,6 +1,7 @@
 //! The grid around a mesh: how fine, how large, where.
 
 use crate::analysis::Analysis;
+use crate::coarse::{Coarse, Soup};
 use crate::coverage::Rule;
 use crate::error::VoxelizeError;
 use crate::parameters::{Method, Pitch, VoxelizeParameters};
@@ -20,6 +21,12 @@ pub(crate) fn frame(
     method: Method,
     parameters: &VoxelizeParameters,
 ) -> Result<Frame, VoxelizeError> {
+    let coarse = || {
+        let (triangles, boundary_edges) = (mesh.triangles().len(), analysis.counts.boundary);
+        Coarse::of(surface, rule, method).map_err(|Soup| VoxelizeError::Soup { triangles, boundary_edges })
+    };
+    // A soup is refused before it takes hours.
+    let scattered = if surface.scattered() { Some(coarse()?) } else { None };
     if let Some(frame) = parameters.frame {
         return checked(frame, surface, parameters.max_box_voxels);
     }
@@ -27,42 +34,43 @@ pub(crate) fn frame(
         triangles: mesh.triangles().len(),
         boundary_edges: analysis.counts.boundary,
     };
-    let pitch = match parameters.pitch {
-        Pitch::Size(pitch) => pitch,
-        Pitch::Resolution(n) => resolution_pitch(surface, n).ok_or_else(no_volume)?,
-        Pitch::Voxels(n) => counted_pitch(n, mesh, surface, analysis, rule, method).ok_or_else(no_volume)?,
+    let spacing = match parameters.pitch {
+        Pitch::Spacing(spacing) => spacing,
+        Pitch::Size(pitch) => [pitch; 3],
+        Pitch::Resolution(n) => [resolution_pitch(surface, n).ok_or_else(no_volume)?; 3],
+        Pitch::Voxels(n) => {
+            let estimate = || match &scattered {
+                Some(coarse) => Ok(coarse.as_ref().map(|coarse| coarse.volume)),
+                None if rule == Rule::Parity => Ok(coarse()?.map(|coarse| coarse.volume)),
+                None => Ok(Some(surface.volume())),
+            };
+            [counted_pitch(n, mesh, surface, analysis, estimate)?.ok_or_else(no_volume)?; 3]
+        }
     };
-    checked(around_within(surface, pitch, parameters.max_box_voxels)?, surface, parameters.max_box_voxels)
+    let limit = parameters.max_box_voxels;
+    checked(around_within(surface, spacing, parameters.origin, limit)?, surface, limit)
 }
 
-/// The pitch at which about n voxels fill the volume: the mesh's own where it is closed, otherwise
-/// that with holes coned off, otherwise that of a coarse voxelization. `None` if nothing is enclosed.
+/// The pitch at which about n voxels fill the volume: the mesh's own where it is closed, an estimate in scaled
+/// units otherwise. `Ok(None)` if nothing is enclosed.
 fn counted_pitch(
     n: usize,
     mesh: &TriangleMesh,
     surface: &Surface,
     analysis: &Analysis,
-    rule: Rule,
-    method: Method,
-) -> Option<f64> {
+    estimate: impl FnOnce() -> Result<Option<f64>, VoxelizeError>,
+) -> Result<Option<f64>, VoxelizeError> {
     let own = mesh.signed_volume().abs();
-    let longest = resolution_pitch(surface, 1)?;
-    let closed = analysis.file.unbalanced == 0 && [0, surface.bodies.len()].contains(&surface.inverted);
-    if closed && own.is_normal() && own > LEAST_VOLUME * longest.powi(3) {
-        return Some((own / n as f64).cbrt());
+    let Some(longest) = resolution_pitch(surface, 1) else { return Ok(None) };
+    let as_it_is = analysis.file.unbalanced == 0
+        && !analysis.dropped_duplicates
+        && [0, surface.bodies.len()].contains(&surface.inverted);
+    if as_it_is && own.is_normal() && own > LEAST_VOLUME * longest.powi(3) {
+        return Ok(Some((own / n as f64).cbrt()));
     }
     // Scaled, so that no cube of a coordinate overflows.
-    let pitch = |scaled_volume: f64| {
-        let enough = scaled_volume > LEAST_VOLUME * (longest * surface.scale).powi(3);
-        enough.then(|| (scaled_volume / n as f64).cbrt() / surface.scale)
-    };
-    if rule != Rule::Parity && !surface.bodies.iter().any(|b| b.scattered) {
-        return pitch(surface.volume());
-    }
-    const COARSE: usize = 48;
-    let frame = around(surface, resolution_pitch(surface, COARSE)?).ok()?;
-    let solid = crate::voxelization::sweep(surface, &frame, rule, method).ok()?;
-    pitch(solid.occupancy.count_ones() as f64 * (frame.spacing()[0] * surface.scale).powi(3))
+    let enough = |volume: &f64| *volume > LEAST_VOLUME * (longest * surface.scale).powi(3);
+    Ok(estimate()?.filter(enough).map(|volume| (volume / n as f64).cbrt() / surface.scale))
 }
 
 /// Volumes below this part of the longest side's cube are rounding errors.
@@ -76,21 +84,28 @@ pub(crate) fn resolution_pitch(surface: &Surface, n: usize) -> Option<f64> {
 
 /// The frame around a mesh: corner at the lowest coordinates less one pitch, cubic voxels.
 pub(crate) fn around(surface: &Surface, pitch: f64) -> Result<Frame, VoxelizeError> {
-    around_within(surface, pitch, 1 << 32)
+    around_within(surface, [pitch; 3], None, 1 << 32)
 }
 
-fn around_within(surface: &Surface, pitch: f64, limit: u64) -> Result<Frame, VoxelizeError> {
+fn around_within(
+    surface: &Surface,
+    spacing: [f64; 3],
+    origin: Option<[f64; 3]>,
+    limit: u64,
+) -> Result<Frame, VoxelizeError> {
     let bounds = &surface.bounds;
-    let origin = bounds.min.map(|x| x - MARGIN * pitch);
-    let dims: [f64; 3] =
-        std::array::from_fn(|a| ((bounds.max[a] - origin[a] + MARGIN * pitch) / pitch).ceil());
+    let origin = origin.unwrap_or_else(|| std::array::from_fn(|a| bounds.min[a] - MARGIN * spacing[a]));
+    let dims: [f64; 3] = std::array::from_fn(|a| {
+        ((bounds.max[a] - origin[a] + MARGIN * spacing[a]) / spacing[a]).ceil().max(1.0)
+    });
     let voxels: f64 = dims.iter().product();
     if voxels.is_nan() || voxels > limit as f64 {
         // The box grows with the cube of the resolution, its margins do not.
+        let pitch = spacing.into_iter().fold(f64::INFINITY, f64::min);
         let advice = pitch * (voxels / limit as f64).cbrt();
         return Err(VoxelizeError::TooLarge { pitch, voxels, limit, advice });
     }
-    Ok(Frame::new(dims.map(|d| d as usize), origin, [pitch; 3])?)
+    Ok(Frame::new(dims.map(|d| d as usize), origin, spacing)?)
 }
 
 /// Refuses frames that are too large, or finer than the coordinates' precision.
@@ -123,14 +138,19 @@ pub(crate) fn nothing_inside(
     mesh: &TriangleMesh,
     surface: &Surface,
     frame: &Frame,
+    doubled: usize,
     parameters: &VoxelizeParameters,
 ) -> VoxelizeError {
+    if doubled > 0 {
+        return VoxelizeError::Doubled { voxels: doubled };
+    }
     let pitch = frame.spacing().into_iter().fold(f64::INFINITY, f64::min);
     let volume = (surface.volume() / surface.scale.powi(3)).max(mesh.signed_volume().abs());
     let area = mesh.area();
     let longest = resolution_pitch(surface, 1).unwrap_or(0.0);
     if volume > LEAST_VOLUME * longest.powi(3) && area > 0.0 {
-        if parameters.frame.is_some() && pitch < volume / area {
+        let given = parameters.frame.is_some() || parameters.origin.is_some();
+        if given && pitch < volume / area {
             return VoxelizeError::OutsideFrame;
         }
         // A plate of thickness d has volume over area d / 2.

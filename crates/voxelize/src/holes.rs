@@ -92,13 +92,12 @@ impl Part {
     /// The values of a block's voxels; those beyond the grid's end are never read.
     fn evaluate(&self, lattice: &Lattice, block: [usize; 3], values: &mut [i16]) {
         let target = bounds(lattice, block);
-        let centre: Vec3 = std::array::from_fn(|a| 0.5 * (target.min[a] + target.max[a]));
         let place = |v: usize| {
             let offset = [v % BLOCK, v / BLOCK % BLOCK, v / BLOCK / BLOCK];
             lattice.centre(std::array::from_fn(|a| (block[a] * BLOCK + offset[a]).min(lattice.dims[a] - 1)))
         };
         let points: [Vec3; VOLUME] = std::array::from_fn(place);
-        let found = self.tree.winding_numbers(centre, 0.5 * target.diagonal(), &points);
+        let found = self.tree.winding_numbers(&target, &points);
         for (value, winding) in values.iter_mut().zip(found) {
             *value = (self.sign * winding / STEP).round() as i16;
         }

@@ -26,6 +26,7 @@
 mod analysis;
 mod bvh;
 mod choice;
+mod coarse;
 mod columns;
 mod coverage;
 mod diagnosis;

@@ -11,6 +11,8 @@ pub enum Pitch {
     Resolution(usize),
     /// The pitch itself, a length in the mesh's units.
     Size(f64),
+    /// Lengths of a voxel along x, y and z, in the mesh's units.
+    Spacing([f64; 3]),
 }
 
 /// How to tell inside from outside.
@@ -65,9 +67,10 @@ pub struct VoxelizeParameters {
     /// Neighbours that links are determined for. With [`Connectivity::TwentySix`] the diagonal
     /// ones too. Default: [`Connectivity::Six`].
     pub connectivity: Connectivity,
-    /// The grid to use, to share it with other shapes or tools; its voxels may be longer along one
-    /// axis than along another. Default: none, a grid around the mesh with cubic voxels, its corner
-    /// at the lowest coordinates less one pitch.
+    /// The first corner of the grid, which reaches from there to one voxel beyond the mesh, in the mesh's units.
+    /// Default: none, the lowest coordinates less one voxel. Ignored when `frame` is given.
+    pub origin: Option<[f64; 3]>,
+    /// The grid to use, to share it with other shapes or tools. Default: none, a grid around the mesh.
     pub frame: Option<Frame>,
     /// A change of the solid by one voxel. Default: none.
     pub morphology: Option<Morphology>,
@@ -86,6 +89,7 @@ impl Default for VoxelizeParameters {
             overlap: Overlap::Auto,
             cut_links: true,
             connectivity: Connectivity::Six,
+            origin: None,
             frame: None,
             morphology: None,
             largest_only: true,
@@ -107,7 +111,13 @@ impl VoxelizeParameters {
             Pitch::Size(h) if !(h.is_finite() && h > 0.0) => {
                 return bad("pitch", format!("{h} is not a positive length"));
             }
+            Pitch::Spacing(spacing) if !spacing.iter().all(|h| h.is_finite() && *h > 0.0) => {
+                return bad("spacing", format!("{spacing:?} are not three positive lengths"));
+            }
             _ => {}
+        }
+        if self.origin.is_some_and(|origin| !origin.iter().all(|x| x.is_finite())) {
+            return bad("origin", "its coordinates must be finite".into());
         }
         if self.frame.is_some_and(|f| f.dims().contains(&0)) {
             return bad("frame", "it has no voxels along an axis".into());

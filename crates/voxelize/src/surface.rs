@@ -12,6 +12,8 @@ use std::collections::HashMap;
 pub(crate) struct Body {
     /// Volume enclosed by the body and its caps, in scaled units; negative for a cavity.
     pub volume: f64,
+    /// Area of the body and its caps, in scaled units.
+    pub area: f64,
     /// Whether each edge runs as often one way as the other: winding numbers are integers.
     pub closed: bool,
     /// So much of it is boundary that caps would outnumber the triangles: its winding number is
@@ -51,6 +53,16 @@ const NEARLY_CLOSED: f64 = 0.1;
 /// A hole with at most so many edges is small.
 const SMALL_HOLE: f64 = 16.0;
 
+/// A closed body whose volume is less than this part of its area to the power of 3/2 is flat.
+const FLAT: f64 = 1e-9;
+
+impl Body {
+    /// Whether it is closed and encloses nothing, like a sheet of two faces back to back.
+    pub fn is_flat(&self) -> bool {
+        self.closed && self.volume.abs() <= FLAT * self.area.powf(1.5)
+    }
+}
+
 impl<'m> Surface<'m> {
     /// Oriented bodies with caps.
     pub fn oriented(mesh: &'m TriangleMesh, analysis: &Analysis<'m>) -> Self {
@@ -63,7 +75,7 @@ impl<'m> Surface<'m> {
     /// The triangles alone, as one body: for counting crossings without regard to orientation.
     pub fn plain(mesh: &'m TriangleMesh, triangles: Cow<'m, [[u32; 3]]>) -> Self {
         let mut surface = Self::new(mesh, triangles);
-        surface.bodies = vec![Body { volume: 0.0, closed: true, scattered: false }];
+        surface.bodies = vec![Body { volume: 0.0, area: 0.0, closed: true, scattered: false }];
         surface
     }
 
@@ -108,6 +120,11 @@ impl<'m> Surface<'m> {
         self.bodies.iter().all(|b| b.closed)
     }
 
+    /// Whether the winding number of some body is summed over its triangles.
+    pub fn scattered(&self) -> bool {
+        self.bodies.iter().any(|b| b.scattered)
+    }
+
     /// Volume enclosed by all bodies and caps, in scaled units.
     pub fn volume(&self) -> f64 {
         self.bodies.iter().map(|b| b.volume).sum()
@@ -134,7 +151,7 @@ impl<'m> Surface<'m> {
             found = merged.iter().max().map_or(0, |m| m + 1);
             boundary = boundary_sides(analysis, &of);
         }
-        self.bodies = vec![Body { volume: 0.0, closed: true, scattered: false }; found as usize];
+        self.bodies = vec![Body { volume: 0.0, area: 0.0, closed: true, scattered: false }; found as usize];
         self.body_of = of;
         self.cap(boundary);
         let origin = self.vertices.first().copied().unwrap_or_default();
@@ -143,6 +160,7 @@ impl<'m> Surface<'m> {
             let body = &mut self.bodies[self.body_of[t] as usize];
             let [a, b, c] = corners.map(|p| sub(p, origin));
             body.volume += dot(a, cross(b, c)) / 6.0;
+            body.area += norm(area_vector(&[a, b, c]));
         }
         if self.bodies.len() == 1 {
             self.body_of = Vec::new();

@@ -76,7 +76,7 @@ pub fn voxelize(mesh: &TriangleMesh, parameters: &VoxelizeParameters) -> Result<
     }
     let inside = solid.occupancy.count_ones();
     if inside == 0 {
-        return Err(framing::nothing_inside(mesh, &surface, &frame, parameters));
+        return Err(framing::nothing_inside(mesh, &surface, &frame, solid.doubled, parameters));
     }
     let mut grid = VoxelGrid::solid(frame, solid.occupancy)?;
     let mut cut_links = 0;
@@ -127,12 +127,12 @@ pub fn inside(
     parameters: &VoxelizeParameters,
 ) -> Result<(Frame, BitGrid), VoxelizeError> {
     let Prepared { surface, frame, rule, method, .. } = prepare(mesh, parameters)?;
-    let mut occupancy = sweep(&surface, &frame, rule, method)?.occupancy;
+    let Solid { mut occupancy, doubled, .. } = sweep(&surface, &frame, rule, method)?;
     if let Some(morphology) = parameters.morphology {
         crate::morphology::apply(&mut occupancy, morphology);
     }
     if occupancy.words().iter().all(|w| *w == 0) {
-        return Err(framing::nothing_inside(mesh, &surface, &frame, parameters));
+        return Err(framing::nothing_inside(mesh, &surface, &frame, doubled, parameters));
     }
     Ok((frame, occupancy))
 }
@@ -218,15 +218,4 @@ fn majority(a: &BitGrid, b: &BitGrid, c: &BitGrid) -> (BitGrid, usize) {
         disagreements += ((a ^ b) | (b ^ c)).count_ones() as usize;
     }
     (result, disagreements)
-}
-
-/// Voxels along the longest side of the grid that the overlap is estimated on.
-const COARSE: usize = 48;
-
-/// The part of a surface's solid that is covered more than once, on a coarse grid.
-pub(crate) fn coarse_overlap(surface: &Surface) -> Option<f64> {
-    let frame = framing::around(surface, framing::resolution_pitch(surface, COARSE)?).ok()?;
-    let solid = sweep(surface, &frame, Rule::Total { join: true }, Method::Winding).ok()?;
-    let inside = solid.occupancy.count_ones();
-    (inside > 0).then(|| solid.doubled as f64 / inside as f64)
 }

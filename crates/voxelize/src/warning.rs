@@ -37,12 +37,12 @@ pub enum Warning {
     },
     /// Vertices were merged by position.
     Merged,
-    /// Parts of the solid are covered more than once.
+    /// Parts of the solid are covered more than once, more than a few voxels of it.
     Overlap {
         /// Volume covered more than once over the solid's.
         fraction: f64,
     },
-    /// Components were dropped.
+    /// Components were dropped, more than a few voxels of them.
     Dropped {
         /// How many.
         components: usize,
@@ -56,7 +56,8 @@ pub enum Warning {
         /// How many.
         voxels: usize,
     },
-    /// The solid's topology is not that of the mesh: limbs fused, or parts lost.
+    /// The solid's topology is not that of the mesh: parts fused, or lost. Mostly that is fingers or ears,
+    /// a voxel apart or thick; it can be limbs.
     Topology {
         /// Euler characteristic of the solid.
         solid: i64,
@@ -106,8 +107,9 @@ impl fmt::Display for Warning {
             Self::Ambiguous { voxels } => write!(f, "{voxels} voxels could be called otherwise"),
             Self::Topology { solid, mesh } => write!(
                 f,
-                "the solid's Euler characteristic is {solid}, half of the mesh's is {}: the pitch does not \
-                 resolve all of the shape",
+                "the voxels don't hang together quite as the mesh does (Euler characteristic {solid} instead \
+                 of {}), as where fingers or ears meet; regions much larger than that stay the same, and a \
+                 finer pitch helps the others",
                 *mesh as f64 / 2.0
             ),
             Self::Thin { voxels, fraction, advice } => write!(
@@ -123,6 +125,9 @@ impl fmt::Display for Warning {
 
 /// The part of thin voxels that is worth a warning.
 const THIN: f64 = 0.01;
+
+/// The part of dropped or doubly covered voxels that is worth one: a tenth of the smallest usual region.
+const NOTABLE: f64 = 1e-3;
 
 pub(crate) fn warnings(
     analysis: &Analysis,
@@ -156,12 +161,12 @@ pub(crate) fn warnings(
     if analysis.welded {
         list.push(Warning::Merged);
     }
-    if result.overlap_volume > 0.0 {
-        let fraction = result.overlap_volume / (inside as f64 * frame.voxel_volume());
+    let fraction = result.overlap_volume / (inside as f64 * frame.voxel_volume());
+    if fraction > NOTABLE {
         list.push(Warning::Overlap { fraction });
     }
-    if result.dropped_components > 0 {
-        let fraction = result.dropped_voxels as f64 / inside as f64;
+    let fraction = result.dropped_voxels as f64 / inside as f64;
+    if fraction > NOTABLE {
         let (components, voxels) = (result.dropped_components, result.dropped_voxels);
         list.push(Warning::Dropped { components, voxels, fraction });
     }

@@ -119,6 +119,28 @@ fn voxels_may_be_longer_along_one_axis() {
     }
 }
 
+/// Spacing and first corner as given: the grid that a frame with the same numbers makes.
+#[test]
+fn the_grid_starts_at_the_given_origin() {
+    let mesh = sphere([1.0, 2.0, 3.0], 1.0, 4);
+    let (spacing, origin) = ([0.1, 0.2, 0.05], [-0.5, 0.7, 1.9]);
+    let parameters =
+        VoxelizeParameters { pitch: Pitch::Spacing(spacing), origin: Some(origin), ..Default::default() };
+    let solid = voxelize(&mesh, &parameters).unwrap();
+    let frame = *solid.grid.frame();
+    assert_eq!((frame.origin(), frame.spacing(), frame.dims()), (origin, spacing, [26, 13, 43]));
+    assert_eq!(voxelize(&mesh, &VoxelizeParameters { frame: Some(frame), ..parameters.clone() }), Ok(solid));
+    let around = voxelize(&mesh, &VoxelizeParameters { origin: None, ..parameters.clone() }).unwrap();
+    assert!((around.grid.frame().origin()[1] - 0.8).abs() < 1e-12);
+    let away = VoxelizeParameters { origin: Some([9.0; 3]), ..parameters.clone() };
+    assert_eq!(voxelize(&mesh, &away), Err(VoxelizeError::OutsideFrame));
+    for (pitch, origin) in [([0.1, 0.0, 0.1], [0.0; 3]), ([0.1; 3], [f64::NAN, 0.0, 0.0])] {
+        let bad =
+            VoxelizeParameters { pitch: Pitch::Spacing(pitch), origin: Some(origin), ..Default::default() };
+        assert!(matches!(voxelize(&mesh, &bad), Err(VoxelizeError::BadParameter { .. })));
+    }
+}
+
 #[test]
 fn opening_drops_thin_parts_and_closing_fills_slits() {
     let solid = |mesh: &TriangleMesh, morphology| {

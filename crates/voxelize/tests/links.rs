@@ -34,16 +34,21 @@ fn offsets(seed: u64) -> impl Iterator<Item = (f64, Vec3)> {
 fn boxes_with_coincident_faces_are_parted() {
     let boxes = together(&[cuboid([-1.0, -1.0, -1.0], [0.0, 1.0, 1.0]), cuboid([0.0, -1.0, -1.0], [1.0; 3])]);
     for (pitch, origin) in offsets(1) {
-        for (axis, angle) in
-            [([0.0, 0.0, 1.0], 0.0), ([0.0, 0.0, 1.0], std::f64::consts::FRAC_PI_2), ([1.0, 2.0, 3.0], 0.7)]
-        {
+        for (axis, angle) in [
+            ([0.0, 0.0, 1.0], 0.0),
+            ([0.0, 0.0, 1.0], std::f64::consts::FRAC_PI_2),
+            ([0.0, 1.0, 0.0], std::f64::consts::FRAC_PI_4),
+            ([1.0, 2.0, 3.0], 0.7),
+            ([-3.0, 1.0, 1.0], 2.3),
+        ] {
             let mesh = moved(&boxes, rotation(axis, angle));
             let result = solid(&mesh, at(pitch, origin, 3.0));
-            let parts = result.grid.components();
-            assert_eq!(parts.len(), 2, "pitch {pitch}, rotation {axis:?} by {angle}");
+            // A turned box may leave a voxel at its corner that no face joins.
+            let parts = |grid: &VoxelGrid| grid.components().sizes.iter().filter(|&&n| n > 2).count();
+            assert_eq!(parts(&result.grid), 2, "pitch {pitch}, rotation {axis:?} by {angle}");
             // Without cut links they are glued.
             let parameters = VoxelizeParameters { cut_links: false, ..at(pitch, origin, 3.0) };
-            assert_eq!(solid(&mesh, parameters).grid.components().len(), 1);
+            assert_eq!(parts(&solid(&mesh, parameters).grid), 1);
         }
     }
 }
@@ -57,7 +62,7 @@ fn balls_in_contact_are_parted() {
             sphere([1.0 + gap / 2.0, 0.0, 0.0], 1.0, 4),
         ]);
         for (pitch, origin) in offsets(2) {
-            for angle in [0.0, 0.3, 1.1] {
+            for angle in [0.0, 0.3, 1.1, std::f64::consts::FRAC_PI_4, 2.6] {
                 let mesh = moved(&balls, rotation([1.0, 3.0, 2.0], angle));
                 let result = solid(&mesh, at(pitch, origin, 3.0));
                 let large = result.grid.components().sizes.iter().filter(|&&n| n > 50).count();
@@ -97,7 +102,7 @@ fn folded(gap: f64) -> TriangleMesh {
 #[test]
 fn a_slot_of_a_hundredth_of_a_voxel_parts_the_arms() {
     for (pitch, origin) in offsets(3) {
-        for angle in [0.0, 0.4, 1.3] {
+        for angle in [0.0, 0.4, 1.3, 2.2] {
             let mesh = moved(&folded(0.01 * pitch), rotation([0.0, 1.0, 0.3], angle));
             let diagnosis = diagnose(&mesh);
             assert!(diagnosis.closed && diagnosis.signed_volume > 0.0 && diagnosis.genus == Some(0));
@@ -243,7 +248,7 @@ fn the_solid_has_the_topology_of_the_mesh() {
     for (mesh, characteristic) in shapes {
         assert_eq!(diagnose(&mesh).euler_characteristic, characteristic);
         for (pitch, origin) in offsets(9) {
-            for angle in [0.0, 0.8] {
+            for angle in [0.0, 0.8, 1.9] {
                 let mesh = moved(&mesh, rotation([3.0, 1.0, 2.0], angle));
                 // A rotated box may leave a voxel at its corner that no face joins.
                 let parameters = VoxelizeParameters { largest_only: true, ..at(pitch / 2.0, origin, 3.0) };

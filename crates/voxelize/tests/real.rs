@@ -32,8 +32,10 @@ fn a_hand_at_a_thigh_is_not_linked_to_it() {
     let (rest, pose) = (fixture("human_rest.off"), fixture("human_touch.off"));
     let height = rest.bounding_box().unwrap().extent().into_iter().fold(0.0, f64::max);
     let mut glued = 0;
-    for (count, angle) in [(9_000, 0.0), (12_000, 0.3), (14_000, 0.5), (17_000, 0.9), (20_000, 1.2)] {
-        let mesh = moved(&pose, rotation([1.0, 2.0, 3.0], angle));
+    let turns = [[1.0, 2.0, 3.0], [1.0, 0.0, 0.0], [-2.0, 1.0, 0.5]];
+    for i in 0..10 {
+        let (count, angle) = (9_000 + 1_300 * i, 0.3 * i as f64);
+        let mesh = moved(&pose, rotation(turns[i % 3], angle));
         let bvh = Bvh::new(&mesh);
         for cut_links in [true, false] {
             let parameters =
@@ -74,4 +76,25 @@ fn a_hand_in_a_thigh_leaves_out_what_both_cover() {
     assert!(windings(Overlap::Auto).iter().all(|w| (w - 1.0).abs() < 0.02));
     let twice = windings(Overlap::Join).iter().filter(|w| (*w - 2.0).abs() < 0.02).count();
     assert!(twice > 50, "{twice}");
+}
+
+/// Cut where the hand touches the thigh, the figure is a ball to topology, as its surface is: one piece without tunnels.
+#[test]
+fn a_figure_that_touches_itself_keeps_the_topology_of_its_surface() {
+    let (rest, pose) = (fixture("human_rest.off"), fixture("human_touch.off"));
+    for (name, mesh) in [("rest", &rest), ("touch", &pose)] {
+        assert_eq!(diagnose(mesh).genus, Some(0));
+        for (i, count) in [20_000, 45_000, 80_000, 120_000].into_iter().enumerate() {
+            let mesh = moved(mesh, rotation([1.0, -2.0, 0.4], 0.4 * i as f64));
+            let pitch = Pitch::Voxels(count);
+            let solid = voxelize(&mesh, &VoxelizeParameters { pitch, ..Default::default() }).unwrap();
+            let topology = solid.topology;
+            assert_eq!(
+                (topology.components, topology.tunnels, topology.cavities),
+                (1, 0, 0),
+                "{name}, {count}"
+            );
+            assert!(!solid.warnings.iter().any(|w| matches!(w, Warning::Topology { .. })));
+        }
+    }
 }

@@ -334,6 +334,7 @@ fn voxelize_json(p: &VoxelizeParameters, from_mesh: bool) -> Value {
         Pitch::Voxels(n) => json!({"voxels": n}),
         Pitch::Resolution(n) => json!({"resolution": n}),
         Pitch::Size(h) => json!({"size": h}),
+        Pitch::Spacing(lengths) => json!({"spacing": lengths}),
     };
     if from_mesh || pitch.get("size").is_some() {
         json["pitch"] = pitch;
@@ -353,6 +354,7 @@ fn voxelize_json(p: &VoxelizeParameters, from_mesh: bool) -> Value {
             Some(Morphology::Close) => "close".into(),
         };
         json["largest_only"] = p.largest_only.into();
+        json["origin"] = p.origin.into();
     }
     json
 }

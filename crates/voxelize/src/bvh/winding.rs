@@ -35,7 +35,7 @@ pub struct WindingTree {
 const ACCURACY: f64 = 2.0;
 
 /// A node whose part of the winding number changes by less is taken as constant.
-const NEGLIGIBLE: f64 = 1e-5;
+const NEGLIGIBLE: f64 = 5e-5;
 
 /// The far field of a node's triangles around their centre, contracted to what the evaluation reads.
 #[derive(Clone, Copy, Debug)]
@@ -75,22 +75,24 @@ impl WindingTree {
 
     pub(crate) fn over(corners: Vec<[Vec3; 3]>) -> Self {
         let bvh = Bvh::over(corners);
-        let mut moments: Vec<Moments> = Vec::with_capacity(bvh.nodes.len());
-        // Children come after their parents.
-        for i in (0..bvh.nodes.len()).rev() {
-            let node = &bvh.nodes[i];
-            let place = |child: usize| bvh.nodes.len() - 1 - child;
-            let here = if node.count > 0 {
-                let start = node.first as usize;
-                Moments::of(&bvh.corners[start..start + node.count as usize])
-            } else {
-                moments[place(i + 1)].join(&moments[place(node.first as usize)])
-            };
-            moments.push(here);
+        let (mut expansions, mut areas) = (Vec::new(), Vec::new());
+        // Children come after their parents; going back, those whose parent is still to come wait here.
+        let mut waiting: Vec<Moments> = Vec::new();
+        for node in bvh.nodes.iter().rev() {
+            let children = if node.count == 0 { waiting.pop().zip(waiting.pop()) } else { None };
+            let here = children.map_or_else(
+                || {
+                    let start = node.first as usize;
+                    Moments::of(&bvh.corners[start..start + node.count as usize])
+                },
+                |(first, second)| first.join(&second),
+            );
+            areas.push(here.area);
+            expansions.push(here.expansion());
+            waiting.push(here);
         }
-        moments.reverse();
-        let areas = moments.iter().map(|m| m.area).collect();
-        let expansions = moments.iter().map(Moments::expansion).collect();
+        areas.reverse();
+        expansions.reverse();
         Self { bvh, expansions, areas }
     }
 
@@ -116,23 +118,36 @@ impl WindingTree {
         sum
     }
 
-    /// The winding number at points that all lie within `radius` of a centre, as [`Self::winding_number`]
-    /// but for 1e-4: what hardly changes between them is summed once.
-    pub(crate) fn winding_numbers(&self, centre: Vec3, radius: f64, points: &[Vec3]) -> Vec<f64> {
+    /// The winding number at points of a box, as [`Self::winding_number`] but for 1e-3: what hardly changes
+    /// over the box is summed once, and what changes almost linearly is interpolated between its corners.
+    pub(crate) fn winding_numbers(&self, target: &BoundingBox, points: &[Vec3]) -> Vec<f64> {
         if self.bvh.is_empty() {
             return vec![0.0; points.len()];
         }
-        let (mut common, mut own, mut stack) = (0.0, Vec::new(), Stack::new());
+        let extent = target.extent();
+        let centre: Vec3 = std::array::from_fn(|a| target.min[a] + 0.5 * extent[a]);
+        let radius = 0.5 * norm(extent);
+        let longest = extent.into_iter().fold(0.0, f64::max);
+        let corners: [Vec3; 8] = std::array::from_fn(|c| {
+            std::array::from_fn(|a| if c >> a & 1 == 1 { target.max[a] } else { target.min[a] })
+        });
+        let (mut common, mut at_corners) = (0.0, [0.0; 8]);
+        let (mut own, mut stack) = (Vec::new(), Stack::new());
         while let Some(i) = stack.pop() {
             let expansion = &self.expansions[i];
             let x = sub(expansion.centre, centre);
             let gap = norm(x) - radius;
             let size = expansion.far.sqrt() / ACCURACY;
             if gap > ACCURACY * size {
-                // The gradient of a solid angle is at most twice the area over the distance cubed.
-                let change = self.areas[i] * radius / (2.0 * PI * (gap - size).powi(3));
-                if change < NEGLIGIBLE {
+                // The gradient of a solid angle is at most twice the area over the distance cubed, and the
+                // second derivatives along three axes are together at most 12 times that over its fourth power.
+                let (distance, angle) = (gap - size, self.areas[i] / (4.0 * PI));
+                if 2.0 * angle * radius < NEGLIGIBLE * distance.powi(3) {
                     common += expansion.evaluate(x);
+                } else if 12.0 / 8.0 * angle * longest * longest < NEGLIGIBLE * distance.powi(4) {
+                    for (value, corner) in at_corners.iter_mut().zip(&corners) {
+                        *value += expansion.evaluate(sub(expansion.centre, *corner));
+                    }
                 } else {
                     own.push(i);
                 }
@@ -143,7 +158,17 @@ impl WindingTree {
                 stack.push(i + 1);
             }
         }
-        let at = |p: &Vec3| common + own.iter().map(|&i| self.of_node(i, *p)).sum::<f64>();
+        let at =
+            |p: &Vec3| {
+                let place: Vec3 = std::array::from_fn(|a| {
+                    if extent[a] > 0.0 { (p[a] - target.min[a]) / extent[a] } else { 0.0 }
+                });
+                let weight = |c: usize| -> f64 {
+                    (0..3).map(|a| if c >> a & 1 == 1 { place[a] } else { 1.0 - place[a] }).product()
+                };
+                let linear: f64 = (0..8).map(|c| weight(c) * at_corners[c]).sum();
+                common + linear + own.iter().map(|&i| self.of_node(i, *p)).sum::<f64>()
+            };
         points.iter().map(at).collect()
     }
 
