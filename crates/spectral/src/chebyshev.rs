@@ -5,6 +5,7 @@ use std::ops::Range;
 use mser3d_laplace::GridStencil;
 use mser3d_shape::VoxelGrid;
 use pulp::{Simd, WithSimd};
+use rayon::prelude::*;
 
 use crate::tall::{LANES, Lanes};
 
@@ -34,7 +35,7 @@ pub(crate) struct Polynomial {
 
 /// Bytes that a wave of slices may fill: of a core's second-level cache, and, where that holds too few
 /// slices, of its share of the third-level cache.
-const WAVE_BYTES: [usize; 2] = [384 << 10, 6 << 20];
+const WAVE_BYTES: [usize; 2] = [512 << 10, 6 << 20];
 /// Steps in a wave: fewer than the first are not worth it, more than the second gain nothing.
 const WAVE_STEPS: [usize; 2] = [4, 16];
 
@@ -89,21 +90,80 @@ impl SlicedStencil {
     }
 
     /// `x = p(A) x`; `work` is of the size of x and holds rubbish afterwards. Asks now and then whether
-    /// it was `cancelled`, and then stops with rubbish in x.
-    pub fn filter(&self, p: Polynomial, x: &mut [Lanes], work: &mut [Lanes], cancelled: &dyn Fn() -> bool) {
+    /// it was `cancelled`, and then stops with rubbish in x. Up to `parts` threads share the slices.
+    pub fn filter(
+        &self,
+        p: Polynomial,
+        x: &mut [Lanes],
+        work: &mut [Lanes],
+        parts: usize,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) {
         let steps = p.steps(self.bound);
         let depth = self.wave_steps();
+        let cuts = self.cuts(parts, depth);
         // An even number of steps leaves the result in x.
         let (mut first, mut second) = (x, work);
         for steps in steps.chunks(depth) {
             if cancelled() {
                 return;
             }
-            pulp::Arch::new().dispatch(Waves { stencil: self, steps, first, second });
+            self.waves(steps, first, second, &cuts);
             if steps.len() % 2 == 1 {
                 std::mem::swap(&mut first, &mut second);
             }
         }
+    }
+
+    /// Runs steps on all slices. Between two cuts a thread can go on alone, if it leaves out one more slice
+    /// at a cut with each step; what was left out follows when both sides have come that far.
+    fn waves(&self, steps: &[Step], first: &mut [Lanes], second: &mut [Lanes], cuts: &[usize]) {
+        let count = self.slices.len() - 1;
+        let ends: Vec<usize> = [0].iter().chain(cuts).chain(&[count]).copied().collect();
+        let parts = ends.windows(2).map(|ends| {
+            let [low, high] = [ends[0], ends[1]];
+            Region { rows: low..high, start: low..high, inward: [low > 0, high < count], outward: false }
+        });
+        self.run(parts.collect(), steps, first, second);
+        let middles: Vec<usize> = ends.windows(2).map(|ends| ends[0].midpoint(ends[1])).collect();
+        let seams = middles.windows(2).zip(cuts).map(|(middles, &cut)| Region {
+            rows: middles[0]..middles[1],
+            start: cut..cut,
+            inward: [false; 2],
+            outward: true,
+        });
+        self.run(seams.collect(), steps, first, second);
+    }
+
+    /// Runs steps on some regions, ascending, in parallel.
+    fn run(&self, regions: Vec<Region>, steps: &[Step], first: &mut [Lanes], second: &mut [Lanes]) {
+        let (mut first, mut second, mut base) = (first, second, 0);
+        let mut waves = Vec::with_capacity(regions.len());
+        for region in regions {
+            let [low, high] = [region.rows.start, region.rows.end].map(|slice| self.slices[slice]);
+            let (mine_first, rest) = std::mem::take(&mut first)[low - base..].split_at_mut(high - low);
+            first = rest;
+            let (mine_second, rest) = std::mem::take(&mut second)[low - base..].split_at_mut(high - low);
+            second = rest;
+            base = high;
+            waves.push(Waves { stencil: self, steps, region, first: mine_first, second: mine_second });
+        }
+        waves.into_par_iter().for_each(|waves| pulp::Arch::new().dispatch(waves));
+    }
+
+    /// Slices that part the work for up to `parts` threads, each part thicker than two waves.
+    fn cuts(&self, parts: usize, depth: usize) -> Vec<usize> {
+        let count = self.slices.len() - 1;
+        let thinnest = 2 * (depth + 1);
+        let parts = parts.min(count / thinnest).max(1);
+        let mut cuts = Vec::with_capacity(parts);
+        for part in 1..parts {
+            let row = self.len() * part / parts;
+            let least = cuts.last().map_or(0, |&cut: &usize| cut) + thinnest;
+            let most = count - (parts - part) * thinnest;
+            cuts.push(self.slices.partition_point(|&start| start < row).clamp(least, most));
+        }
+        cuts
     }
 
     /// How many steps follow each other through the slices: a wave of s steps touches s + 2 slices of
@@ -115,17 +175,26 @@ impl SlicedStencil {
         steps.clamp(1, WAVE_STEPS[1])
     }
 
-    /// `y = step.a A x + step.x x + step.previous y` on a range of rows; y is that range.
+    /// `y = step.a A x + step.x x + step.previous y` on a range of rows; x and y begin with row `base`.
     #[inline(always)]
-    fn step<S: Simd>(&self, simd: S, step: Step, x: &[Lanes], y: &mut [Lanes], rows: Range<usize>) {
+    fn step<S: Simd>(
+        &self,
+        simd: S,
+        step: Step,
+        x: &[Lanes],
+        y: &mut [Lanes],
+        rows: Range<usize>,
+        base: usize,
+    ) {
         let [wx, wy, wz] = self.weights.map(|w| simd.splat_f64s(-step.a * w));
         let diagonal = simd.splat_f64s(step.x + 2.0 * step.a * self.weights.iter().sum::<f64>());
         let previous = simd.splat_f64s(step.previous);
         // A row is one vector with AVX-512, two with AVX2, eight numbers without SIMD.
         let width = LANES / S::F64_LANES;
-        let centres = x[rows.clone()].iter().zip(y);
+        let own = rows.start - base..rows.end - base;
+        let centres = x[own.clone()].iter().zip(&mut y[own]);
         for (around, (centre, target)) in self.neighbours[rows].iter().zip(centres) {
-            let lanes = around.map(|u| S::as_simd_f64s(&x[u as usize].0).0);
+            let lanes = around.map(|u| S::as_simd_f64s(&x[u as usize - base].0).0);
             let (centre, target) = (S::as_simd_f64s(&centre.0).0, S::as_mut_simd_f64s(&mut target.0).0);
             for part in 0..width {
                 let at = |slot: usize| lanes[slot][part];
@@ -152,14 +221,37 @@ impl WithSimd for Apply<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let step = Step { a: 1.0, x: 0.0, previous: 0.0 };
-        self.stencil.step(simd, step, self.x, self.y, 0..self.stencil.len());
+        self.stencil.step(simd, step, self.x, self.y, 0..self.stencil.len(), 0);
     }
 }
 
-/// Some steps of a recurrence, one behind the other through the slices; the first reads `first`.
+/// Slices that some steps of a recurrence go through.
+struct Region {
+    /// All slices that are read or written.
+    rows: Range<usize>,
+    /// Slices before the first step.
+    start: Range<usize>,
+    /// Whether each step leaves out one more slice at the lower and at the upper end.
+    inward: [bool; 2],
+    /// Whether each step takes one more slice at both ends.
+    outward: bool,
+}
+
+impl Region {
+    /// The slices of step `lag`, counted from 0.
+    fn slices(&self, lag: usize) -> Range<usize> {
+        let [low, high] = self.inward.map(|inward| if inward { lag + 1 } else { 0 });
+        let more = if self.outward { lag + 1 } else { 0 };
+        self.start.start + low - more..self.start.end + more - high
+    }
+}
+
+/// Some steps of a recurrence, one behind the other through the slices of a region; the first reads
+/// `first`. Both hold the rows of the region only.
 struct Waves<'a> {
     stencil: &'a SlicedStencil,
     steps: &'a [Step],
+    region: Region,
     first: &'a mut [Lanes],
     second: &'a mut [Lanes],
 }
@@ -169,17 +261,18 @@ impl WithSimd for Waves<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let slices = self.stencil.slices.len() - 1;
-        for wave in 0..slices + self.steps.len() - 1 {
+        let slices = &self.stencil.slices;
+        let Range { start, end } = self.region.rows;
+        for wave in start..end + self.steps.len() - 1 {
             for (lag, step) in self.steps.iter().enumerate() {
-                if let Some(slice) = wave.checked_sub(lag).filter(|&s| s < slices) {
-                    let rows = self.stencil.slices[slice]..self.stencil.slices[slice + 1];
+                if let Some(slice) = wave.checked_sub(lag).filter(|s| self.region.slices(lag).contains(s)) {
                     let (x, y) = if lag % 2 == 0 {
                         (&*self.first, &mut *self.second)
                     } else {
                         (&*self.second, &mut *self.first)
                     };
-                    self.stencil.step(simd, *step, x, &mut y[rows.clone()], rows);
+                    let rows = slices[slice]..slices[slice + 1];
+                    self.stencil.step(simd, *step, x, y, rows, slices[start]);
                 }
             }
         }
@@ -234,10 +327,10 @@ mod tests {
         let value = |v: u32, l: usize| ((f64::from(voxels[v as usize][0]) + 0.5) * angle(l)).cos();
         let start: Vec<Lanes> =
             stencil.order.iter().map(|&v| Lanes(std::array::from_fn(|l| value(v, l)))).collect();
-        for degree in [2, 7, 40] {
+        for (degree, parts) in [(2, 1), (7, 1), (40, 1), (7, 2), (40, 2), (40, 3)] {
             let p = Polynomial { degree, target: lambda(0), cutoff: 6.0 };
             let (mut x, mut work) = (start.clone(), vec![Lanes([1e3; LANES]); start.len()]);
-            stencil.filter(p, &mut x, &mut work, &|| false);
+            stencil.filter(p, &mut x, &mut work, parts, &|| false);
             let (e, c) = ((48.0 - 6.0) / 2.0, 27.0);
             let chebyshev = |t: f64| -> f64 {
                 let d = degree.next_multiple_of(2) as f64;

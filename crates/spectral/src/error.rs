@@ -54,13 +54,13 @@ pub enum SpectralError {
         /// The tolerance.
         tolerance: f64,
     },
-    /// The factorization broke down: the operator is not positive semidefinite.
+    /// The factorization broke down: the operator is not positive semidefinite, or memory ran out.
     #[error(
-        "the Cholesky factorization broke down at shift {shift:.3e}; the operator is not positive semidefinite \
-         (is the mesh full of slivers? remesh it)"
+        "the factorization broke down at shift {shift:.3e}; the operator is not positive semidefinite \
+         (is the mesh full of slivers? remesh it), or memory ran out"
     )]
-    NotPositiveDefinite {
-        /// The positive shift that was added.
+    NotFactored {
+        /// The shift that was subtracted.
         shift: f64,
     },
     /// A dense eigenproblem inside the iteration failed, or its result is not finite: only entries that

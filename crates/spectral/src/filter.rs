@@ -7,23 +7,28 @@
 //! if it was too low the iteration says so by finding too few pairs below it and starts again.
 
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use mser3d_laplace::aggregate_grid;
 use mser3d_shape::VoxelGrid;
 use rayon::prelude::*;
 
 use crate::chebyshev::{Polynomial, SlicedStencil};
-use crate::lanczos::{BLOCK, Lanczos};
-use crate::solve::{attainable, coarse_eigenvalues, rescale};
+use crate::complete::{add_missed_copies, may_hide_copies};
+use crate::lanczos::Lanczos;
+use crate::shift_invert::rescale;
+use crate::solve::{attainable, coarse_eigenvalues};
 use crate::standard::NullSpace;
 use crate::tall::{LANES, Lanes, Tall};
 use crate::{SpectralError, SpectrumParameters};
 
-/// ln p(0): how far the polynomial spreads the wanted eigenvalues. Rounding errors of p(A) are relative
-/// to p(0), so a larger one costs accuracy: e^16 x 1e-16 is 1e-9, at the cut-off;
-/// far below it nothing is lost.
-const GROWTH: f64 = 16.0;
+/// Columns added at a time: fewer span the wanted pairs than in larger blocks, since each step of Lanczos,
+/// whatever its width, tells wanted from unwanted equally well.
+const BLOCK: usize = LANES;
+/// ln p(0): how far the polynomial spreads the wanted eigenvalues. A larger one needs fewer columns, but more
+/// applications of A; the sum of both costs changes by a few hundredths from 8 to 16. Rounding errors
+/// of p(A) are relative to p(0), so a smaller one is more exact.
+const GROWTH: f64 = 10.0;
 /// The cut-off is the coarse eigenvalue of this number of times the wanted one.
 const GUARD: f64 = 1.2;
 /// Rows of the coarse operator for each eigenvalue that is asked of it.
@@ -75,9 +80,12 @@ pub(crate) fn filtered_eigenpairs(
     let capacity = basis_columns(wanted).min((n - null_space.len()) / BLOCK * BLOCK);
     let lanczos = Lanczos {
         rows: n,
+        block: BLOCK,
         wanted,
+        negative: 0,
         capacity,
-        check_from: 8 * wanted / 5,
+        check_from: 5 * wanted / 4,
+        overlap: 1e-8,
         max_restarts: parameters.max_iterations,
         null_space: &null_space,
     };
@@ -85,10 +93,12 @@ pub(crate) fn filtered_eigenpairs(
     let (mut applications, mut restarts) = (0, 0);
     // How much an estimated residual must be below the tolerance; more, if the true one comes out above it.
     let mut margin = 1.0;
+    let most = AtomicUsize::new(0);
     loop {
         let filter = Filter::new(&stencil, cutoff);
         let report = |converged: usize| {
-            let go_on = progress(zeros + converged).is_continue();
+            let most = most.fetch_max(converged, Ordering::Relaxed).max(converged);
+            let go_on = progress(zeros + most).is_continue();
             filter.cancelled.store(!go_on, Ordering::Relaxed);
             go_on
         };
@@ -116,6 +126,25 @@ pub(crate) fn filtered_eigenpairs(
         if margin > 1e-4 && falls_short(&values, &residuals, stencil.bound(), parameters.tolerance) {
             margin *= 1e-2;
             continue;
+        }
+        if may_hide_copies(&values, BLOCK) {
+            let last = values.iter().copied().fold(0.0, f64::max);
+            let accept = |theta: f64, residual: f64| {
+                filter.eigenvalue(theta + residual) > last || accept(theta, residual)
+            };
+            let search = |known: &Tall| {
+                let null_space = null_space.and(known);
+                let capacity = basis_columns(BLOCK);
+                let lanczos =
+                    Lanczos { wanted: BLOCK, capacity, check_from: 0, null_space: &null_space, ..lanczos };
+                let found = lanczos.run(|x| filter.apply(x, &report), accept, report)?;
+                applications += found.applications * filter.polynomial.degree;
+                restarts += found.restarts;
+                let values = rayleigh_quotients(&stencil, &found.vectors, BLOCK).0;
+                Ok((values, found.vectors))
+            };
+            vectors = add_missed_copies(values, vectors, BLOCK, search)?.1;
+            (values, residuals) = rayleigh_quotients(&stencil, &vectors, wanted);
         }
         return Ok(Filtered {
             values,
@@ -165,9 +194,12 @@ impl<'a> Filter<'a> {
     }
 
     fn apply(&self, x: &mut Tall, report: &(dyn Fn(usize) -> bool + Sync)) {
+        // Threads share a block unless there are blocks for all.
+        let threads = rayon::current_num_threads();
+        let parts = if x.blocks().len() >= 2 * threads { 1 } else { threads };
         x.blocks_mut().par_iter_mut().for_each(|block| {
             let mut work = vec![Lanes::ZERO; block.len()];
-            self.stencil.filter(self.polynomial, block, &mut work, &|| {
+            self.stencil.filter(self.polynomial, block, &mut work, parts, &|| {
                 report(0);
                 self.cancelled.load(Ordering::Relaxed)
             });

@@ -32,8 +32,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod basis;
 mod chebyshev;
+mod complete;
 mod error;
+mod factor;
 mod filter;
 mod lanczos;
 mod parameters;

@@ -6,10 +6,10 @@ use mser3d_laplace::{Operator, grid_laplacian};
 use mser3d_shape::{Domain, Eigenbasis, VoxelGrid};
 use rayon::prelude::*;
 
+use crate::factor::Elimination;
 use crate::filter::{basis_columns, coarse_factor, filtered_eigenpairs};
-use crate::lanczos::{BLOCK, Lanczos, RitzPairs};
 use crate::parts::{members, merge};
-use crate::shift_invert::Inverse;
+use crate::shift_invert::{self, Pairs, Task, inverse_eigenpairs, rough_columns, rough_eigenvalues};
 use crate::standard::{StandardProblem, dense_eigenpairs};
 use crate::tall::{LANES, Tall};
 use crate::{Eigensolver, SpectralError, Spectrum, SpectrumParameters, SpectrumReport};
@@ -57,21 +57,27 @@ fn connected_eigenpairs(
     check_size(problem.unit_eigenvalue, problem.bound())?;
     let zeros = problem.null_space.len().min(k);
     let wanted = k - zeros;
-    let capacity = lanczos_capacity((COLUMNS_PER_PAIR * wanted as f64) as usize);
-    if n <= DENSE_ROWS || capacity + 2 * BLOCK > n - problem.null_space.len() {
+    let columns = shift_invert::basis_columns(wanted) + 2 * LANES;
+    if n <= DENSE_ROWS || columns > n - problem.null_space.len() {
         check_memory(parameters, n, 3 * n * n)?;
-        let (values, vectors) = dense_eigenpairs(&problem)?;
-        return finish(operator, &problem, parameters, "dense", values, vectors, (0, 0), k);
+        let (mut values, vectors) = dense_eigenpairs(&problem)?;
+        values.truncate(wanted);
+        return finish(operator, &problem, parameters, "dense", Pairs::measured(&problem, values, vectors));
     }
+    let solver = "shift-invert Lanczos";
     if wanted == 0 {
-        let none = Tall::zeros(n, 1);
-        return finish(operator, &problem, parameters, "shift-invert Lanczos", vec![], none, (0, 0), k);
+        let pairs = Pairs::measured(&problem, Vec::new(), Tall::zeros(n, 1));
+        return finish(operator, &problem, parameters, solver, pairs);
     }
-    check_memory(parameters, n, n * (capacity + 5 * BLOCK + k) + 60 * n)?;
-    let (restarts, tolerance) = (parameters.max_iterations, parameters.tolerance);
-    let (values, ritz) = inverse_lanczos(&problem, wanted, capacity, restarts, tolerance, progress)?;
-    let counts = (ritz.restarts, ritz.applications);
-    finish(operator, &problem, parameters, "shift-invert Lanczos", values, ritz.vectors, counts, k)
+    // Before anything large is made; the factor's size is known when its pattern is.
+    let numbers = n * (columns + 3 * k) + 60 * n;
+    check_memory(parameters, n, numbers)?;
+    let elimination = Elimination::new(&problem)?;
+    check_memory(parameters, n, numbers + elimination.len())?;
+    let task = Task { wanted, tolerance: parameters.tolerance, max_restarts: parameters.max_iterations };
+    let report = |converged: usize| progress(zeros + converged).is_continue();
+    let pairs = inverse_eigenpairs(&problem, &elimination, &task, &report)?;
+    finish(operator, &problem, parameters, solver, pairs)
 }
 
 /// The smallest eigenpairs of a voxel grid's Laplacian ([`mser3d_laplace::grid_laplacian`]), by the
@@ -105,7 +111,7 @@ pub fn smallest_eigenpairs_of_grid(
     }
     let filter = match parameters.solver {
         Eigensolver::Auto => coarse_factor(n, k).is_some(),
-        Eigensolver::Filter => basis_columns(k) + 2 * BLOCK < n / 8,
+        Eigensolver::Filter => basis_columns(k) + 2 * LANES < n / 8,
         Eigensolver::ShiftInvert => false,
     };
     // The zero mode alone needs no iteration.
@@ -147,7 +153,7 @@ pub fn smallest_eigenpairs_of_grid(
 /// Columns of n numbers that the filter holds at its peak: the basis with a block's image and work
 /// space, or the eigenvectors twice.
 fn filter_columns(k: usize) -> usize {
-    (basis_columns(k) + 3 * BLOCK).max(2 * k + BLOCK)
+    (basis_columns(k) + 6 * LANES).max(2 * k + LANES)
 }
 
 /// The places of values that are nearly in order, in order.
@@ -160,140 +166,56 @@ fn ascending(values: &[f64]) -> Vec<usize> {
 /// The smallest non-zero eigenvalues of a coarse operator, roughly.
 pub(crate) fn coarse_eigenvalues(operator: &Operator, wanted: usize) -> Result<Vec<f64>, SpectralError> {
     let problem = StandardProblem::new(operator);
-    let wanted = wanted.min(problem.len() - problem.null_space.len());
-    // One sweep without restarts: a cut-off need not be exact.
-    let capacity = lanczos_capacity(3 * wanted / 2);
     let rows = problem.len() - problem.null_space.len();
-    let mut values = if problem.len() <= DENSE_ROWS || capacity + 2 * BLOCK > rows {
+    let wanted = wanted.min(rows);
+    let mut values = if problem.len() <= DENSE_ROWS || rough_columns(wanted) + 2 * LANES > rows {
         dense_eigenpairs(&problem)?.0
     } else {
-        inverse_lanczos(&problem, wanted, capacity, 0, 1e-2, &|_| ControlFlow::Continue(()))?.0
+        rough_eigenvalues(&problem, wanted)?
     };
     values.truncate(wanted);
     Ok(values)
 }
 
-/// About 2.5 k columns find k pairs without a restart; small k needs some more.
-const COLUMNS_PER_PAIR: f64 = 2.5;
-
-/// Columns of the basis, a multiple of the block's.
-fn lanczos_capacity(columns: usize) -> usize {
-    (columns + 4 * BLOCK) / BLOCK * BLOCK
-}
-
-/// Eigenvalues, ascending, and Ritz vectors by Lanczos on the inverse.
-fn inverse_lanczos(
-    problem: &StandardProblem,
-    wanted: usize,
-    capacity: usize,
-    max_restarts: usize,
-    tolerance: f64,
-    progress: &(dyn Fn(usize) -> ControlFlow<()> + Sync),
-) -> Result<(Vec<f64>, RitzPairs), SpectralError> {
-    let zeros = problem.null_space.len();
-    // A shift well below the wanted eigenvalues (33 k^(2/3) / V^(2/3) by Weyl's law) that still keeps
-    // the matrix well conditioned.
-    let sigma = problem.unit_eigenvalue;
-    let inverse = Inverse::new(problem, sigma)?;
-    let lanczos = Lanczos {
-        rows: problem.len(),
-        wanted,
-        capacity,
-        check_from: 7 * wanted / 4,
-        max_restarts,
-        null_space: &problem.null_space,
-    };
-    // With theta = 1 / (lambda + sigma), a residual r of the inverse is one of r / theta^2 of A after a
-    // step of inverse iteration, and lambda may be far below sigma. A margin, and a floor where rounding
-    // ends all progress, because true residuals decide in the end.
-    let accept = |theta: f64, residual: f64| {
-        let lambda_theta = 1.0 - sigma * theta;
-        residual <= theta * (0.1 * tolerance * lambda_theta).max(1e-14)
-    };
-    let report = |converged: usize| progress(zeros + converged).is_continue();
-    let mut ritz = lanczos.run(|x| inverse.apply(x), accept, report)?;
-    let values: Vec<f64> = ritz.values.iter().map(|theta| (1.0 / theta - sigma).max(0.0)).collect();
-    let residuals = Quality::measure(problem, &values[..wanted], &ritz.vectors).residuals;
-    let bound = problem.bound();
-    if residuals.iter().zip(&values).any(|(&r, &value)| r > attainable(tolerance, bound, value)) {
-        ritz.vectors = smoothed(ritz.vectors, &ritz.values[..wanted], &inverse);
-    }
-    Ok((values, ritz))
-}
-
-/// `theta^(-1) (A + sigma I)^(-1) x` for each Ritz pair.
-///
-/// Lanczos leaves the rounding errors of hundreds of columns in its vectors, tiny but rough, and a mesh
-/// with triangles of very different sizes multiplies those by 10^7. The inverse smooths them away.
-/// Residuals of Ritz vectors are orthogonal to all of them, so this changes their scalar products only
-/// by the square of the residuals.
-fn smoothed(mut vectors: Tall, theta: &[f64], inverse: &Inverse) -> Tall {
-    inverse.apply(&mut vectors);
-    rescale(&mut vectors, theta);
-    vectors
-}
-
-/// Divides each column by its Ritz value.
-pub(crate) fn rescale(vectors: &mut Tall, theta: &[f64]) {
-    vectors.blocks_mut().iter_mut().zip(theta.chunks(LANES)).for_each(|(block, theta)| {
-        for row in block {
-            theta.iter().zip(&mut row.0).for_each(|(theta, x)| *x /= theta);
-        }
-    });
-}
-
-/// Measures residuals and orthogonality of the pairs, and makes the eigenbasis if they will do.
-#[allow(clippy::too_many_arguments)]
+/// Makes the eigenbasis of the pairs if they will do.
 fn finish(
     operator: &Operator,
     problem: &StandardProblem,
     parameters: &SpectrumParameters,
     solver: &'static str,
-    values: Vec<f64>,
-    vectors: Tall,
-    (iterations, applications): (usize, usize),
-    k: usize,
+    pairs: Pairs,
 ) -> Result<Spectrum, SpectralError> {
+    let k = parameters.eigenpairs;
     let zero_modes = problem.null_space.len().min(k);
-    let wanted = k - zero_modes;
-    let quality = Quality::measure(problem, &values[..wanted], &vectors);
     let residual =
-        check_residuals(&values[..wanted], &quality.residuals, problem.bound(), parameters, iterations)?;
+        check_residuals(&pairs.values, &pairs.residuals, problem.bound(), parameters, pairs.restarts)?;
     let report = SpectrumReport {
         solver,
-        iterations,
-        applications,
+        iterations: pairs.restarts,
+        applications: pairs.applications,
         residual,
-        orthogonality: quality.orthogonality,
+        orthogonality: pairs.orthogonality,
         zero_modes,
     };
-    Ok(Spectrum { basis: problem.eigenbasis(operator, &values, &vectors, k)?, report })
+    Ok(Spectrum { basis: problem.eigenbasis(operator, &pairs.values, &pairs.vectors, k)?, report })
 }
 
-/// True residuals and orthogonality, measured on the vectors.
-struct Quality {
-    residuals: Vec<f64>,
-    orthogonality: f64,
-}
-
-impl Quality {
-    fn measure(problem: &StandardProblem, values: &[f64], vectors: &Tall) -> Self {
-        let count = values.len();
-        let residuals = vectors.blocks()[..count.div_ceil(LANES)].par_iter().enumerate().map(|(b, x)| {
-            let mut y = x.clone();
-            problem.apply(x, &mut y);
-            let mut sums = [0.0; LANES];
-            for (x, y) in x.iter().zip(&y) {
-                for l in 0..LANES.min(count - b * LANES) {
-                    sums[l] += (y.0[l] - values[b * LANES + l] * x.0[l]).powi(2);
-                }
+/// `|A x - lambda x| / lambda` of each pair, measured on the vectors.
+pub(crate) fn residuals(problem: &StandardProblem, values: &[f64], vectors: &Tall) -> Vec<f64> {
+    let count = values.len();
+    let residuals = vectors.blocks()[..count.div_ceil(LANES)].par_iter().enumerate().map(|(b, x)| {
+        let mut y = x.clone();
+        problem.apply(x, &mut y);
+        let mut sums = [0.0; LANES];
+        for (x, y) in x.iter().zip(&y) {
+            for l in 0..LANES.min(count - b * LANES) {
+                sums[l] += (y.0[l] - values[b * LANES + l] * x.0[l]).powi(2);
             }
-            std::array::from_fn(|l| sums[l].sqrt() / values.get(b * LANES + l).unwrap_or(&1.0))
-        });
-        let residuals: Vec<[f64; LANES]> = residuals.collect();
-        let residuals = residuals.as_flattened()[..count].to_vec();
-        Self { residuals, orthogonality: orthogonality(vectors, count) }
-    }
+        }
+        std::array::from_fn(|l| sums[l].sqrt() / values.get(b * LANES + l).unwrap_or(&1.0))
+    });
+    let residuals: Vec<[f64; LANES]> = residuals.collect();
+    residuals.as_flattened()[..count].to_vec()
 }
 
 /// The relative residual to reach at an eigenvalue: the tolerance, or what rounding allows. An operator
@@ -334,7 +256,7 @@ fn check_size(measure: f64, bound: f64) -> Result<(), SpectralError> {
 }
 
 /// Largest entry of |V^T V - I| over the first columns.
-fn orthogonality(vectors: &Tall, count: usize) -> f64 {
+pub(crate) fn orthogonality(vectors: &Tall, count: usize) -> f64 {
     let gram = vectors.gram(0..count.div_ceil(LANES), vectors);
     let entries = (0..count).flat_map(|i| (0..count).map(move |j| (i, j)));
     entries.map(|(i, j)| (gram[(i, j)] - f64::from(u8::from(i == j))).abs()).fold(0.0, f64::max)

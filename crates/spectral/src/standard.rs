@@ -21,6 +21,8 @@ pub(crate) struct StandardProblem {
     pub null_space: NullSpace,
     /// V^(-2/3) of a volume, 1/A of a surface: the unit in which eigenvalues are small numbers.
     pub unit_eigenvalue: f64,
+    /// 3 of a volume, 2 of a surface.
+    pub dimension: u32,
 }
 
 impl StandardProblem {
@@ -46,8 +48,9 @@ impl StandardProblem {
         let labels: Vec<u32> = active.iter().map(|&v| parts.labels[v as usize]).collect();
         let null_space = NullSpace::new(&labels, &root_mass);
         let measure: f64 = operator.mass().iter().sum();
-        let unit_eigenvalue = measure.powf(-2.0 / f64::from(operator.domain().dimension()));
-        Self { active, root_mass, starts, columns, values, null_space, unit_eigenvalue }
+        let dimension = operator.domain().dimension();
+        let unit_eigenvalue = measure.powf(-2.0 / f64::from(dimension));
+        Self { active, root_mass, starts, columns, values, null_space, unit_eigenvalue, dimension }
     }
 
     pub fn len(&self) -> usize {
@@ -107,6 +110,8 @@ pub(crate) struct NullSpace {
     entries: Vec<f64>,
     /// 1 / sqrt(measure) of each component: the value of its constant eigenfunction.
     constants: Vec<f64>,
+    /// Eigenvectors that are known and shall not be found again.
+    known: Option<Tall>,
 }
 
 impl NullSpace {
@@ -127,12 +132,27 @@ impl NullSpace {
         }
         let constants: Vec<f64> = measures.iter().map(|m| 1.0 / m.sqrt()).collect();
         let entries = renumbered.iter().zip(root_mass).map(|(&c, root)| root * constants[c as usize]);
-        Self { entries: entries.collect(), labels: renumbered, constants }
+        Self { entries: entries.collect(), labels: renumbered, constants, known: None }
+    }
+
+    /// With eigenvectors that take no part either.
+    pub fn and(&self, known: &Tall) -> Self {
+        Self { known: Some(known.clone()), ..self.clone() }
+    }
+
+    /// Columns of the eigenvectors that take no part.
+    pub fn known_columns(&self) -> usize {
+        self.known.as_ref().map_or(0, |known| known.blocks().len() * LANES)
     }
 
     /// Dimension: the number of components.
     pub fn len(&self) -> usize {
         self.constants.len()
+    }
+
+    /// Rows of the null vectors.
+    pub fn rows(&self) -> usize {
+        self.labels.len()
     }
 
     pub fn label(&self, row: usize) -> usize {
@@ -143,8 +163,13 @@ impl NullSpace {
         self.constants[self.labels[row] as usize]
     }
 
-    /// Makes the columns orthogonal to the null space.
+    /// Makes the columns orthogonal to the null space and to what else takes no part.
     pub fn project_out(&self, columns: &mut Tall) {
+        if let Some(known) = &self.known {
+            let all = 0..known.blocks().len();
+            let overlaps = known.gram(all.clone(), columns);
+            columns.subtract(known, all, overlaps.as_ref());
+        }
         columns.blocks_mut().par_iter_mut().for_each(|block| {
             let mut sums = vec![[0.0; LANES]; self.len()];
             for (row, lanes) in block.iter().enumerate() {

@@ -31,10 +31,10 @@ pub(crate) type Block = Vec<Lanes>;
 /// Products of a row of one block with a row of another: entry (i, j) is row i, lane j.
 type Square = [Lanes; LANES];
 
-/// Rows in a chunk: 128 rows of 250 columns are 256 KB, within the second-level cache.
-const CHUNK: usize = 128;
+/// Rows in a chunk: of a block 32 KB, enough for the processor to fetch ahead.
+const CHUNK: usize = 512;
 /// Chunks that share a partial sum.
-const GROUP: usize = 64;
+const GROUP: usize = 16;
 
 /// A matrix of `rows` rows and whole blocks of columns.
 #[derive(Clone, Debug)]

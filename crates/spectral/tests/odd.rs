@@ -337,3 +337,24 @@ fn copies_of_one_body_multiply_its_eigenvalues() {
         }
     }
 }
+
+#[test]
+fn more_copies_of_an_eigenvalue_than_a_block_has_columns() {
+    // A fishbone: 40 ribs of 31 voxels across a spine. Waves that are odd along a rib vanish at the spine, so each rib
+    // has its own: every such eigenvalue is 40-fold.
+    let grid = solid([79, 31, 1], [1.0; 3], |v| v[1] == 15 || v[0] % 2 == 0);
+    assert_none(&faults_of_grid("fishbone", &grid, &[30, 60, 100]));
+    // A book: 24 pages bound at one edge. Waves that vanish at the spine are 23-fold at least.
+    let pages: Vec<TriangleMesh> = (0..24)
+        .map(|page| {
+            let (sin, cos) = (page as f64 * std::f64::consts::TAU / 24.0).sin_cos();
+            sheet(8, |u, v| [u * cos, u * sin, v])
+        })
+        .collect();
+    let book = joined(&pages);
+    // The first row of nine vertices of each page is the spine.
+    let spine = |v: u32| if v % 81 < 9 { v % 81 } else { v };
+    let triangles = book.triangles().iter().map(|t| t.map(spine)).collect();
+    let book = TriangleMesh::new(book.vertices().to_vec(), triangles).unwrap();
+    assert_none(&faults_of_mesh("book of 24 pages", &book, &[40, 100, 200]));
+}

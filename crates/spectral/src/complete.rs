@@ -1,0 +1,66 @@
+//! No copy of a multiple eigenvalue missed.
+//!
+//! A Krylov space that starts from b random vectors holds min(m, b) copies of an m-fold eigenvalue. So where
+//! fewer than b of the eigenvalues found lie together, none is missing. Where b or more do, more may exist:
+//! the iteration is repeated orthogonally to all eigenvectors found, until it finds nothing below the last one
+//! wanted.
+
+use crate::SpectralError;
+use crate::tall::Tall;
+
+/// Eigenvalues within this relative distance count as copies: such neighbours are told apart late.
+const TOGETHER: f64 = 1e-3;
+
+/// Adds to the smallest eigenpairs, `values.len()` of them in any order, the copies that an iteration with
+/// `block` columns cannot have seen. `search(known)` finds the `block` smallest pairs orthogonal to those known.
+pub(crate) fn add_missed_copies(
+    mut values: Vec<f64>,
+    mut vectors: Tall,
+    block: usize,
+    mut search: impl FnMut(&Tall) -> Result<(Vec<f64>, Tall), SpectralError>,
+) -> Result<(Vec<f64>, Tall), SpectralError> {
+    while may_hide_copies(&values, block) {
+        let (others, other_vectors) = search(&vectors)?;
+        let last = values.iter().copied().fold(0.0, f64::max);
+        let missed = others.iter().filter(|&&value| value < last * (1.0 - 1e-9)).count();
+        if missed == 0 {
+            break;
+        }
+        let wanted = values.len();
+        values.extend(others);
+        let mut order: Vec<usize> = (0..values.len()).collect();
+        order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
+        order.truncate(wanted);
+        let mut merged = Tall::zeros(vectors.rows(), wanted);
+        merged.fill(wanted, |row, column| match order[column].checked_sub(wanted) {
+            Some(other) => other_vectors.at(row, other),
+            None => vectors.at(row, order[column]),
+        });
+        values = order.iter().map(|&at| values[at]).collect();
+        vectors = merged;
+        if missed < block {
+            break;
+        }
+    }
+    Ok((values, vectors))
+}
+
+/// Whether so many eigenvalues lie together that a block of `block` columns need not have seen all copies.
+pub(crate) fn may_hide_copies(values: &[f64], block: usize) -> bool {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.windows(block).any(|together| together[block - 1] - together[0] <= TOGETHER * together[block - 1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_full_block_of_copies_raises_doubt() {
+        let values = [3.0, 1.0, 2.0, 2.0, 2.0001];
+        assert!(may_hide_copies(&values, 3));
+        assert!(!may_hide_copies(&values, 4));
+        assert!(!may_hide_copies(&values[..2], 3));
+    }
+}
