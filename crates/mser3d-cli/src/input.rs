@@ -1,6 +1,6 @@
 //! The input file: a mesh, or a solid as a voxel mask.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use mser3d::shape::{BitGrid, Frame, TriangleMesh};
 use mser3d_meshio::{LoadedMesh, MeshFormat, MeshIoError, ReadOptions, read_mesh_from};
