@@ -55,9 +55,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     write(&pair, html.as_bytes())?;
 
     let mut browser = Browser::start(&program, &SOFTWARE_GL)?;
-    let tests: [(&str, fn(&mut Session<'_>) -> Result<(), String>); 6] = [
+    let tests: [(&str, fn(&mut Session<'_>) -> Result<(), String>); 7] = [
         ("the first picture comes soon, and shows the regions' colours", shows_regions),
         ("a click on an arm shows the arm's numbers", arm_shows_its_numbers),
+        ("the tree is a picture to choose from, and a slider raises its level", tree_and_slider_work),
         ("everything works by keyboard", works_by_keyboard),
         ("a cut shows the inside, and its regions", cut_shows_the_inside),
         ("a tap on a phone shows the arm's numbers", works_on_a_phone),
@@ -115,6 +116,17 @@ impl Session<'_> {
         }
     }
 
+    /// The middle of an element's height, at a share of its width.
+    fn centre(&mut self, selector: &str, share: f64) -> Result<[f64; 2], String> {
+        let script = format!(
+            "(() => {{ const e = document.querySelector('{selector}'); e.scrollIntoView({{ block: 'nearest' }});
+               const b = e.getBoundingClientRect(); return [b.left + {share} * b.width, b.top + b.height / 2]; }})()"
+        );
+        let place = self.browser.evaluate(&script)?;
+        let at = |i: usize| place[i].as_f64().ok_or_else(|| format!("{selector} has no place"));
+        Ok([at(0)?, at(1)?])
+    }
+
     /// A place in the window where an arm of the figure is seen from the front, and its region. In a
     /// page of several shapes side by side, that of shape `s`.
     fn arm(&mut self, s: usize, shapes: usize) -> Result<([f64; 2], usize), String> {
@@ -152,15 +164,18 @@ impl Session<'_> {
 
 fn shows_regions(session: &mut Session<'_>) -> Result<(), String> {
     // The machine may be busy with other things: the best of three.
-    let mut best = Duration::MAX;
+    let mut times = Vec::new();
     for _ in 0..3 {
-        best = best.min(session.load("figure.html")?);
+        session.browser.open_page()?;
+        times.push(session.load("figure.html")?);
     }
+    let best = times.iter().min().copied().unwrap_or_default();
     if best > BROKEN {
         return Err(format!("the first picture took {best:?}, longer than {BROKEN:?}"));
     }
-    let verdict = if best <= GOAL { "within" } else { "longer than" };
-    println!("    first picture after {:.2} s: {verdict} the {GOAL:?} of the goal", best.as_secs_f64());
+    let seconds: Vec<String> = times.iter().map(|t| format!("{:.2}", t.as_secs_f64())).collect();
+    let verdict = if best <= GOAL { "within" } else { "beyond" };
+    println!("    first picture after {} s: {verdict} the goal of {GOAL:?}", seconds.join(", "));
     let colours = colours(&session.shot("regions.png")?)?;
     if colours < 200 {
         return Err(format!("only {colours} colours are seen: the shape is not drawn"));
@@ -174,7 +189,40 @@ fn arm_shows_its_numbers(session: &mut Session<'_>) -> Result<(), String> {
     let (place, region) = session.arm(0, 1)?;
     session.browser.click(place)?;
     session.shot("arm.png")?;
-    session.expect_details(region)
+    session.expect_details(region)?;
+    // Again: the region around it, if there is one; that one's name is there to be clicked as well.
+    let regions = &session.results.record.regions;
+    let Some(parent) = regions[region].parent else { return Ok(()) };
+    session.browser.click(place)?;
+    session.expect_details(parent as usize)?;
+    session.browser.press("Escape")?;
+    session.browser.click(place)?;
+    session.browser.evaluate("document.querySelector('#details .link').click()")?;
+    session.expect_details(parent as usize)
+}
+
+fn tree_and_slider_work(session: &mut Session<'_>) -> Result<(), String> {
+    session.load("figure.html")?;
+    let mark = session.centre("#tree circle.region", 0.5)?;
+    session.browser.click(mark)?;
+    let name = "document.querySelector('#tree circle.region.on').getAttribute('aria-label')";
+    let name = session.browser.evaluate(name)?;
+    let region = name.as_str().and_then(|n| n.strip_prefix("Region ")?.parse().ok());
+    session.expect_details(region.ok_or_else(|| format!("the tree's mark is called {name}"))?)?;
+    // Near its right end, everything has entered and is one component.
+    for (share, components) in [(0.4, "components"), (0.99, "1 component")] {
+        let before = session.browser.screenshot()?;
+        let place = session.centre("#level", share)?;
+        session.browser.click(place)?;
+        let text = session.browser.text("#level-text")?;
+        if !text.contains("weight") || !text.ends_with(components) {
+            return Err(format!("the slider at {share} says {text:?}"));
+        }
+        if session.shot("slider.png")? == before {
+            return Err(format!("the slider at {share} changes nothing"));
+        }
+    }
+    Ok(())
 }
 
 fn works_by_keyboard(session: &mut Session<'_>) -> Result<(), String> {

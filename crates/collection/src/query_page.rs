@@ -73,7 +73,7 @@ impl Index {
                     mser3d::Domain::Volume => "volume",
                     mser3d::Domain::Surface => "area",
                 },
-                self.folder().display(),
+                self.folder().file_name().unwrap_or_default().to_string_lossy(),
                 self.len(),
             ),
             rows,

@@ -126,7 +126,7 @@ fn write(
     let pairs = matching.matches.iter();
     let pairs: Vec<Match> =
         pairs.map(|m| Match { first: m.partner, second: m.region, distance: m.distance }).collect();
-    let options = RenderOptions { up: args.up.into(), ..RenderOptions::default() };
+    let options = RenderOptions { height: 600, up: args.up.into(), ..RenderOptions::default() };
     let sheet = first.match_sheet(second, &pairs, &options)?;
     write_atomically(&folder.join("matches.png"), |out| sheet.write_png(out).map_err(std::io::Error::other))?;
     if args.html {

@@ -20,6 +20,7 @@ function definitions(pairs) {
 class Panel {
   constructor(data, actions) {
     this.data = data;
+    this.actions = actions;
     this.details = document.getElementById("details");
     const tables = document.getElementById("tables");
     this.rows = data.shapes.map((shape, s) => {
@@ -64,6 +65,13 @@ class Panel {
     return row;
   }
 
+  // A region's name that chooses it.
+  link(s, id) {
+    const button = element("button", { type: "button", class: "link" }, `region ${id}`);
+    button.addEventListener("click", () => this.actions.choose(s, id));
+    return button;
+  }
+
   mark(s, chosen, hovered) {
     this.rows[s].forEach((row, id) => {
       row.setAttribute("aria-selected", String(chosen.includes(id)));
@@ -87,14 +95,14 @@ class Panel {
       ["share", percent(region.fraction)],
       ["stability", show(region.stability)],
       ["altitude", show(region.altitude)],
-      ["inside", region.parent === null ? "no other" : `region ${region.parent}`],
+      ["inside", region.parent === null ? "no other" : this.link(choice.shape, region.parent)],
       ["vertices", String(region.vertices)],
     ];
     if (shape.grid) pairs.push(["voxels", String(region.voxels)]);
     if (region.tree !== null) pairs.push(["tree", shape.trees[region.tree].name]);
     const partner = this.partner(choice.shape, choice.region);
     if (this.data.matches.length) {
-      pairs.push(["match", partner ? `region ${partner[0]}` : "none"]);
+      pairs.push(["match", partner ? this.link(1 - choice.shape, partner[0]) : "none"]);
       if (partner) pairs.push(["distance", show(partner[1])]);
     }
     this.details.replaceChildren(element("h2", {}, swatch(region.colour), title), definitions(pairs));

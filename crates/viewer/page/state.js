@@ -139,11 +139,19 @@ function point(x, y) {
   tip.style.top = `${y}px`;
 }
 
+// Chooses the innermost region at a place; within the chosen one, the region around that.
 function click(x, y) {
   const hit = renderer?.pick(x, y);
-  const region = hit ? regionAt(hit) : null;
-  if (region === null) choose(0, null);
-  else if (!(state.chosen && state.chosen.shape === hit.shape && state.chosen.region === region)) choose(hit.shape, region);
+  const innermost = hit ? regionAt(hit) : null;
+  if (innermost === null) {
+    choose(0, null);
+    return;
+  }
+  const { regions } = data.shapes[hit.shape];
+  const chosen = state.chosen?.shape === hit.shape ? state.chosen.region : null;
+  const again = chosen !== null && hasBit(regions[chosen][`${hit.kind}Set`], hit.number);
+  const next = again ? regions[chosen].parent ?? innermost : innermost;
+  if (next !== chosen) choose(hit.shape, next);
 }
 
 function step(by) {

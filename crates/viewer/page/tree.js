@@ -13,6 +13,8 @@ class TreePicture {
     };
     this.top = 10;
     svg.addEventListener("pointerdown", (event) => {
+      // Capturing would keep the click from a region's mark.
+      if (event.target.classList.contains("region")) return;
       svg.setPointerCapture?.(event.pointerId);
       drag(event);
     });

@@ -109,9 +109,12 @@ impl Browser {
 
     /// Loads a file and waits until it has drawn twice; the time from the start of the navigation.
     pub fn load(&mut self, file: &Path) -> Result<Duration, String> {
+        // Of this page, not of the one before.
+        let fired = |event: &Value| event["method"] == "Page.loadEventFired";
+        self.events.retain(|event| !fired(event));
         let start = Instant::now();
         self.call("Page.navigate", json!({ "url": format!("file://{}", file.display()) }))?;
-        while !self.events.iter().any(|e| e["method"] == "Page.loadEventFired") {
+        while !self.events.iter().any(fired) {
             let event = self.receive()?;
             self.events.push_back(event);
             if start.elapsed() > PATIENCE {
