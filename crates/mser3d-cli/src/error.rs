@@ -22,6 +22,8 @@ pub enum CliError {
     Results(#[from] mser3d_results::ResultsError),
     #[error("{}: {source}{}", path.display(), advice(source))]
     Shape { path: PathBuf, source: mser3d::Error },
+    #[error("{}: the mask is zero everywhere: there is no solid", path.display())]
+    EmptyMask { path: PathBuf },
     #[error("{}: cannot be used as output folder: {source}; choose another with -o", path.display())]
     OutputFolder { path: PathBuf, source: std::io::Error },
     #[error("interrupted; nothing was written")]

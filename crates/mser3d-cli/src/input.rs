@@ -1,9 +1,9 @@
 //! The input file: a mesh, or a solid as a voxel mask.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use mser3d::shape::{BitGrid, Frame, TriangleMesh};
-use mser3d_meshio::{LoadedMesh, MeshFormat, MeshIoError, ReadOptions, read_mesh_from};
+use mser3d_meshio::{LoadedMesh, MeshFormat, MeshIoError, ReadOptions, read_mask, read_mesh_from};
 use mser3d_volumeio::{VolumeFormat, read_volume};
 use sha2::{Digest, Sha256};
 
@@ -55,14 +55,8 @@ impl Input {
             ));
         }
         let contents = if let Some(format) = format {
-            let volume = read_volume(path)?;
-            let mut frame = volume.frame()?;
-            if format == VolumeFormat::Npy {
-                // An array has no place of its own.
-                let failed = |e| CliError::Shape { path: path.clone(), source: mser3d::Error::from(e) };
-                frame = Frame::new(frame.dims(), [0.0; 3], [1.0; 3]).map_err(failed)?;
-            }
-            Contents::Mask(volume.mask()?, frame)
+            let (mask, frame) = read_solid(path, format)?;
+            Contents::Mask(mask, frame)
         } else {
             let format = MeshFormat::of(path, &bytes)?;
             Contents::Mesh(Box::new(read_mesh_from(format, &bytes, path, &options)?))
@@ -106,4 +100,20 @@ impl Input {
 
 fn hex(digest: impl AsRef<[u8]>) -> String {
     digest.as_ref().iter().map(|b| format!("{b:02x}")).collect()
+}
+
+/// A mask, and its grid: of an array, which has no place of its own, that of voxels of size 1 from the origin on.
+fn read_solid(path: &Path, format: VolumeFormat) -> Result<(BitGrid, Frame), CliError> {
+    let failed = |e| CliError::Shape { path: path.to_path_buf(), source: mser3d::Error::from(e) };
+    if format == VolumeFormat::Npy {
+        let mask = read_mask(path)?;
+        let frame = Frame::new(mask.dims(), [0.0; 3], [1.0; 3]).map_err(failed)?;
+        return Ok((mask, frame));
+    }
+    let volume = read_volume(path)?;
+    let mask = volume.mask()?;
+    if mask.count_ones() == 0 {
+        return Err(CliError::EmptyMask { path: path.to_path_buf() });
+    }
+    Ok((mask, volume.frame()?))
 }
