@@ -1,5 +1,10 @@
 //! What the tests in `tests/` beside this file share: shapes, settings, and regions as vertex sets.
 
+/// The examples of the book, compiled and run with the tests of this documentation.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/crates.md")]
+mod book {}
+
 use std::path::{Path, PathBuf};
 
 use mser3d::shape::{Domain, TriangleMesh};

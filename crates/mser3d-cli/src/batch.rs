@@ -14,9 +14,10 @@ use serde_json::json;
 use crate::detect::detect_into;
 use crate::error::CliError;
 use crate::input::{Contents, Input, InputArgs};
-use crate::options::{RegionOptions, count, use_threads};
+use crate::options::{RegionOptions, count};
 use crate::output::identity;
 use crate::progress::{BatchMeter, Meter};
+use crate::run_options::RunOptions;
 
 #[derive(clap::Args)]
 pub struct BatchArgs {
@@ -39,12 +40,8 @@ pub struct BatchArgs {
     /// Print the summary as JSON
     #[arg(long)]
     pub json: bool,
-    /// No progress on stderr, no summary on stdout
-    #[arg(short, long)]
-    pub quiet: bool,
-    /// Threads to use; the result is the same for any number [default: all cores]
-    #[arg(long, value_name = "N")]
-    pub threads: Option<usize>,
+    #[command(flatten)]
+    pub run: RunOptions,
     /// Make a shape of every frame of this glTF animation, by name or number from 0
     #[arg(long, value_name = "NAME", requires = "fps", help_heading = "Input")]
     pub animation: Option<String>,
@@ -60,7 +57,7 @@ pub struct BatchArgs {
 }
 
 pub fn run(args: &BatchArgs) -> Result<(), CliError> {
-    use_threads(args.threads)?;
+    args.run.use_threads()?;
     if args.merge {
         let tables = build_tables(&args.output)?;
         return tell(args, &BatchSummary { tables: Some(tables), ..Default::default() });
@@ -84,7 +81,7 @@ pub fn run(args: &BatchArgs) -> Result<(), CliError> {
         memory: parameters.spectrum.memory_limit.unwrap_or(u64::MAX),
         shard,
     };
-    let meter = BatchMeter::new(args.quiet);
+    let meter = BatchMeter::new(args.run.quiet);
     let summary = run_batch(&args.output, jobs, &work, &batch, &|event| meter.report(&event));
     meter.finish();
     tell(args, &summary?)
@@ -174,7 +171,7 @@ fn tell(args: &BatchArgs, summary: &BatchSummary) -> Result<(), CliError> {
         let tables =
             tables.map(|t| json!({"shapes": t.shapes, "regions": t.regions, "failures": t.failures}));
         format!("{:#}\n", json!({"computed": done, "kept": kept, "failed": failed, "tables": tables}))
-    } else if args.quiet {
+    } else if args.run.quiet {
         String::new()
     } else {
         let folder = args.output.display();

@@ -11,10 +11,11 @@ use mser3d_collection::{CacheUse, SpectrumCache};
 use crate::error::CliError;
 use crate::input::{Contents, Input, InputArgs};
 use crate::interrupt;
-use crate::options::{RegionOptions, use_threads};
+use crate::options::RegionOptions;
 use crate::output::{OutputFolder, Report};
 use crate::progress::Meter;
 use crate::render::UpAxis;
+use crate::run_options::RunOptions;
 use crate::table;
 use crate::view::write_page;
 
@@ -31,25 +32,21 @@ pub struct DetectArgs {
     /// Print the regions as JSON instead of a table
     #[arg(long)]
     pub json: bool,
-    /// No progress on stderr, no table on stdout
-    #[arg(short, long)]
-    pub quiet: bool,
-    /// Threads to use; the result is the same for any number [default: all cores]
-    #[arg(long, value_name = "N")]
-    pub threads: Option<usize>,
+    #[command(flatten)]
+    pub run: RunOptions,
     #[command(flatten)]
     pub options: RegionOptions,
 }
 
 pub fn run(args: &DetectArgs) -> Result<(), CliError> {
-    use_threads(args.threads)?;
+    args.run.use_threads()?;
     interrupt::listen();
     let parameters = args.options.parameters()?;
     let input = Input::read(&args.input)?;
-    let meter = Meter::new(args.quiet);
+    let meter = Meter::new(args.run.quiet);
     let (features, report) =
         detect_into(&args.output, &input, &args.input, &args.options, &parameters, &meter)?;
-    if !args.quiet {
+    if !args.run.quiet {
         report.warnings().iter().for_each(|w| eprintln!("mser3d: warning: {}: {w}", input.path.display()));
     }
     if args.html {
@@ -57,7 +54,7 @@ pub fn run(args: &DetectArgs) -> Result<(), CliError> {
     }
     if args.json {
         report.print()
-    } else if !args.quiet {
+    } else if !args.run.quiet {
         table::print(&features, &args.output)
     } else {
         Ok(())

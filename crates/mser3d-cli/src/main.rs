@@ -18,6 +18,7 @@ mod output;
 mod progress;
 mod query;
 mod render;
+mod run_options;
 mod table;
 mod version;
 mod view;

@@ -246,20 +246,3 @@ fn fraction(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "not a number")?;
     (0.0..=1.0).contains(&value).then_some(value).ok_or("must be between 0 and 1".into())
 }
-
-/// More threads than any machine that this runs on has cores.
-const MOST_THREADS: usize = 1024;
-
-/// Sets the number of threads for everything that follows.
-pub fn use_threads(threads: Option<usize>) -> Result<(), CliError> {
-    match threads {
-        None => Ok(()),
-        Some(n) if !(1..=MOST_THREADS).contains(&n) => {
-            Err(CliError::Usage(format!("--threads {n}: must be between 1 and {MOST_THREADS}")))
-        }
-        Some(n) => rayon::ThreadPoolBuilder::new()
-            .num_threads(n)
-            .build_global()
-            .map_err(|e| CliError::Usage(format!("--threads {n}: {e}"))),
-    }
-}
