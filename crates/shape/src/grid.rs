@@ -1,4 +1,6 @@
+use crate::runs::clear;
 use crate::{BitGrid, Bits, Graph, ShapeError};
+use std::ops::Range;
 
 /// Where the voxels of a grid lie: voxel (i, j, k) has its centre at
 /// `origin + spacing * (i + 1/2, j + 1/2, k + 1/2)`.
@@ -272,20 +274,27 @@ impl VoxelGrid {
         })
     }
 
-    /// The grid without some of its voxels and their links.
-    pub(crate) fn without(mut self, dropped: &BitGrid) -> Self {
-        if self.cut_diagonals.as_ref().is_some_and(|cut| !cut.is_empty()) {
-            let gone: Vec<bool> = self.voxels().map(|v| dropped.get(v)).collect();
-            return self.restrict(|v| !gone[v as usize]);
+    /// The grid without some of its voxels and their links: in each row (k * ny + j), those of some ranges along x.
+    /// In place, so that a large grid is there once.
+    pub(crate) fn without<R: Iterator<Item = Range<u32>>>(mut self, dropped: impl Fn(usize) -> R) -> Self {
+        let before = match &self.cut_diagonals {
+            Some(cut) if !cut.is_empty() => Some(self.clone()),
+            _ => None,
+        };
+        let width = self.occupancy.row_words();
+        for (row, words) in self.occupancy.words_mut().chunks_mut(width.max(1)).enumerate() {
+            dropped(row).for_each(|range| clear(words, range));
         }
-        for (word, gone) in self.occupancy.words_mut().iter_mut().zip(dropped.words()) {
-            *word &= !gone;
+        if let Some(before) = before {
+            let kept: Vec<bool> = before.voxels().map(|v| self.occupancy.get(v)).collect();
+            return before.restrict(|v| kept[v as usize]);
         }
         for axis in 0..3 {
             for at in 0..self.rank.len() {
                 self.links[axis].words_mut()[at] &= inner_neighbours_of_word(&self.occupancy, axis, at);
             }
         }
+        self.rank = Vec::new();
         Self::unchecked(self.frame, self.occupancy, self.links, self.cut_diagonals)
             .expect("fewer voxels than before")
     }

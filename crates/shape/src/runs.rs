@@ -101,18 +101,15 @@ impl VoxelGrid {
         let (labels, sizes) = runs.labels();
         let parts = Components { labels, sizes };
         let Some(largest) = parts.largest().filter(|_| parts.len() > 1) else { return (self, 0, 0) };
-        let mut dropped = self.occupancy().clone();
-        for row in 0..runs.rows.len() - 1 {
-            let width = dropped.row_words();
-            let words = &mut dropped.words_mut()[row * width..(row + 1) * width];
-            for r in runs.rows[row] as usize..runs.rows[row + 1] as usize {
-                if parts.labels[r] == largest {
-                    clear(words, runs.runs[r].start..runs.runs[r].end);
-                }
-            }
-        }
         let count = self.len() - parts.sizes[largest as usize];
-        (self.without(&dropped), parts.len() - 1, count)
+        let dropped = |row: usize| {
+            let runs_of_row = runs.rows[row] as usize..runs.rows[row + 1] as usize;
+            runs_of_row.filter(|&r| parts.labels[r] != largest).map(|r| {
+                let Run { start, end } = runs.runs[r];
+                start..end
+            })
+        };
+        (self.without(dropped), parts.len() - 1, count)
     }
 }
 
@@ -130,7 +127,7 @@ fn any(words: &[u64], range: Range<u32>) -> bool {
     masks(range).any(|(word, mask)| words[word] & mask != 0)
 }
 
-fn clear(words: &mut [u64], range: Range<u32>) {
+pub(crate) fn clear(words: &mut [u64], range: Range<u32>) {
     masks(range).for_each(|(word, mask)| words[word] &= !mask);
 }
 
