@@ -9,7 +9,7 @@ use crate::error::CliError;
 /// Starts logging, if it is asked for.
 ///
 /// `-v` shows the stages and their sizes, `-vv` details such as each component tree. Without it `RUST_LOG`
-/// decides, as in `RUST_LOG=debug` or `RUST_LOG=mser3d_collection=info`; without that there is silence.
+/// decides, as in `RUST_LOG=debug` or `RUST_LOG=mser3d::regions=debug`; without that there is silence.
 pub fn start(verbose: u8) -> Result<(), CliError> {
     let targets = match verbose {
         0 => match std::env::var("RUST_LOG") {
