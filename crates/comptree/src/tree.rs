@@ -138,6 +138,21 @@ impl ComponentTree {
         Siblings { tree: self, first: 0, end: last }
     }
 
+    /// The nodes without children, ascending: the local minima (maxima for superlevel sets) of weights on
+    /// vertices.
+    ///
+    /// ```
+    /// # use mser3d_comptree::{ComponentTree, Polarity};
+    /// let path = [[0, 1], [1, 2], [2, 3], [3, 4]];
+    /// let tree = ComponentTree::from_vertex_weights(&path, &[1.0, 5.0, 2.0, 2.0, 9.0], 1.0, Polarity::Sublevel)?;
+    /// let minima: Vec<&[u32]> = tree.leaves().map(|leaf| tree.vertices(leaf)).collect();
+    /// assert_eq!(minima, [&[0][..], &[2, 3]]);
+    /// # Ok::<(), mser3d_comptree::TreeError>(())
+    /// ```
+    pub fn leaves(&self) -> impl Iterator<Item = u32> + '_ {
+        self.first_descendants().iter().zip(0..).filter(|(first, node)| *first == node).map(|(_, node)| node)
+    }
+
     /// The children of a node, by descending number.
     pub fn children(&self, node: u32) -> Siblings<'_> {
         Siblings { tree: self, first: self.first_descendants()[node as usize], end: node }

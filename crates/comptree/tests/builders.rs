@@ -229,3 +229,37 @@ fn a_nan_anywhere_is_found() {
     let error = ComponentTree::from_grid([70, 1000, 1], Stencil::Eight, &values, 1.0, Polarity::Superlevel);
     assert_eq!(error.unwrap_err(), TreeError::NotANumber { what: "vertex", index: 69_123 });
 }
+
+#[test]
+fn one_voxel_is_one_node() {
+    let vertex = ComponentTree::from_grid([1, 1, 1], Stencil::Six, &[3u8], 2.0, Polarity::Sublevel).unwrap();
+    assert_eq!((vertex.len(), vertex.altitude(0), vertex.volume(0)), (1, 3.0, 2.0));
+    let never = |_, _| -> f64 { unreachable!("one voxel has no neighbours") };
+    let edge = ComponentTree::from_grid_edges([1, 1, 1], Stencil::TwentySix, never, 2.0, Polarity::Sublevel)
+        .unwrap();
+    assert_eq!((edge.len(), edge.altitude(0), edge.vertices(0)), (1, f64::NEG_INFINITY, &[0][..]));
+}
+
+#[test]
+fn equal_values_are_one_node_for_each_part() {
+    // Large enough for several threads; a wall without voxels parts the mask.
+    let dims = [64, 64, 33];
+    let mut mask = BitGrid::full(dims).unwrap();
+    for (y, x) in (0..64).flat_map(|y| (0..64).map(move |x| (y, x))) {
+        mask.set([x, y, 20], false);
+    }
+    let grid = VoxelGrid::solid(Frame::new(dims, [0.0; 3], [1.0; 3]).unwrap(), mask).unwrap();
+    let values = vec![7.5f32; grid.len()];
+    for connectivity in [Connectivity::Six, Connectivity::TwentySix] {
+        let vertex =
+            ComponentTree::from_voxel_grid(&grid, connectivity, &values, 1.0, Polarity::Superlevel).unwrap();
+        let zero = |_, _| 0.0;
+        let edge =
+            ComponentTree::from_voxel_grid_edges(&grid, connectivity, zero, 1.0, Polarity::Sublevel).unwrap();
+        for (tree, altitude) in [(vertex, 7.5), (edge, 0.0)] {
+            let roots: Vec<(f64, f64)> = tree.roots().map(|r| (tree.altitude(r), tree.volume(r))).collect();
+            assert_eq!(roots, [(altitude, 12.0 * 4096.0), (altitude, 20.0 * 4096.0)]);
+            assert_eq!(tree.leaves().count(), tree.len());
+        }
+    }
+}

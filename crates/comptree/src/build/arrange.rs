@@ -86,7 +86,7 @@ fn along(branches: &Branches, joined: &Joined, segments: &Segments, blocks: &[Bl
         let mut along = Along::default();
         let mut group = Vec::new();
         for branch in part * step..((part + 1) * step).min(branches.len()) {
-            along.add(branch as u32, branches, joined, segments, blocks, &mut group);
+            along.add(branch as u32, joined, segments, blocks, &mut group);
         }
         along
     });
@@ -103,7 +103,6 @@ impl Along {
     fn add(
         &mut self,
         branch: u32,
-        branches: &Branches,
         joined: &Joined,
         segments: &Segments,
         blocks: &[Block],
@@ -113,7 +112,7 @@ impl Along {
         let offset = slots.start - self.blocks.len();
         self.blocks.resize(slots.end - offset, Extent::default());
         let block = |slot: usize| blocks[joined.list[slot] as usize];
-        let level = |slot: usize| branches.level(joined.list[slot]);
+        let level = |slot: usize| joined.joins[slot].level;
         // The component so far reaches from `front` to `end` and has `least` as its smallest vertex.
         let first = segments.first[branch as usize];
         let (mut front, mut end, mut least) = (Extent::default(), first.size, first.least);

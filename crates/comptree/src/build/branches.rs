@@ -1,6 +1,7 @@
 use std::ops::Range;
 
 use mser3d_shape::DisjointSets;
+use rayon::prelude::*;
 
 use super::saddles::Saddle;
 use crate::order::NONE;
@@ -55,12 +56,6 @@ impl Branches {
         self.joins.len()
     }
 
-    /// The level at which a branch joins another.
-    #[inline(always)]
-    pub fn level(&self, branch: u32) -> f64 {
-        self.joins[branch as usize].level
-    }
-
     /// The branches that join no other, one for each component of the graph.
     pub fn roots(&self) -> Vec<u32> {
         (0..self.len() as u32).filter(|&branch| self.joins[branch as usize].into == NONE).collect()
@@ -96,7 +91,8 @@ impl Branches {
             list[*at as usize] = branch;
             *at += 1;
         }
-        Joined { starts, list }
+        let joins = list.par_iter().map(|&branch| self.joins[branch as usize]).collect();
+        Joined { starts, list, joins }
     }
 }
 
@@ -105,6 +101,8 @@ pub(super) struct Joined {
     /// Where those of each branch begin, and their number.
     pub starts: Vec<u32>,
     pub list: Vec<u32>,
+    /// Where each of the list joins.
+    pub joins: Vec<Join>,
 }
 
 impl Joined {

@@ -43,29 +43,38 @@ impl LowestEdges {
     fn top(levels: &[f64]) -> f64 {
         levels.par_iter().copied().reduce(|| f64::NEG_INFINITY, f64::max)
     }
-
-    /// Along lowest edges levels never rise; two vertices whose lowest edge is the same are a minimum,
-    /// of which the smaller stands for both.
-    fn descend(&self, range: Range<usize>, mut f: impl FnMut(u32, u32)) {
-        for v in range.start as u32..range.end as u32 {
-            let to = self.to[v as usize];
-            f(v, if v < to && self.to[to as usize] == v { v } else { to });
-        }
-    }
 }
 
-/// A list of edges with levels.
-pub(super) struct EdgeList<'a> {
-    edges: &'a [[u32; 2]],
-    weights: &'a [f64],
+/// Weights on edges, which enter at their own levels.
+pub(super) struct EdgeRelief<E> {
+    edges: E,
     polarity: Polarity,
     lowest: LowestEdges,
 }
 
-impl<'a> EdgeList<'a> {
+/// Edges with their weights.
+pub(super) trait Edges: Sync {
+    /// Ranges of the `n` vertices.
+    fn split(&self, n: usize, parts: usize) -> Vec<Range<usize>>;
+
+    /// Ranges of edges.
+    fn split_edges(&self, parts: usize) -> Vec<Range<usize>>;
+
+    /// Calls `f` with each edge of a range of [`split_edges`](Self::split_edges) whose ends have different
+    /// labels, and its weight.
+    fn boundary(&self, range: Range<usize>, labels: &[u32], f: impl FnMut(u32, u32, f64));
+}
+
+/// Edges and their weights in lists.
+pub(super) struct Listed<'a> {
+    edges: &'a [[u32; 2]],
+    weights: &'a [f64],
+}
+
+impl<'a> EdgeRelief<Listed<'a>> {
     /// # Errors
     /// Sizes that differ, and NaN.
-    pub fn new(
+    pub fn of_list(
         n: usize,
         edges: &'a [[u32; 2]],
         weights: &'a [f64],
@@ -87,57 +96,43 @@ impl<'a> EdgeList<'a> {
         let levels: Vec<f64> = lowest.iter().map(|edge| edge.level).collect();
         let to = lowest.iter().map(|edge| edge.to).collect();
         let lowest = LowestEdges { top: LowestEdges::top(&levels), levels, to };
-        Ok(Self { edges, weights, polarity, lowest })
+        Ok(Self { edges: Listed { edges, weights }, polarity, lowest })
     }
 }
 
-impl Relief for EdgeList<'_> {
-    fn len(&self) -> usize {
-        self.lowest.to.len()
-    }
-
-    fn split(&self, parts: usize) -> Vec<Range<usize>> {
-        crate::topology::split_evenly(self.len(), 1, parts)
+impl Edges for Listed<'_> {
+    fn split(&self, n: usize, parts: usize) -> Vec<Range<usize>> {
+        crate::topology::split_evenly(n, 1, parts)
     }
 
     fn split_edges(&self, parts: usize) -> Vec<Range<usize>> {
         crate::topology::split_evenly(self.edges.len(), 1, parts)
     }
 
-    #[inline(always)]
-    fn level(&self, v: u32) -> f64 {
-        self.lowest.levels[v as usize]
-    }
-
-    fn top(&self) -> f64 {
-        self.lowest.top
-    }
-
-    fn descend(&self, range: Range<usize>, f: impl FnMut(u32, u32)) {
-        self.lowest.descend(range, f);
-    }
-
     fn boundary(&self, range: Range<usize>, labels: &[u32], mut f: impl FnMut(u32, u32, f64)) {
         for (&[u, v], &weight) in self.edges[range.clone()].iter().zip(&self.weights[range]) {
             if labels[u as usize] != labels[v as usize] {
-                f(u.min(v), u.max(v), self.polarity.orient(weight));
+                f(u.min(v), u.max(v), weight);
             }
         }
     }
 }
 
-/// The edges of a topology with levels that a function gives.
-pub(super) struct EdgeFunction<'a, T, W> {
+/// The edges of a topology with weights that a function gives.
+pub(super) struct Weighed<'a, T, W> {
     topology: &'a T,
     weight: W,
-    polarity: Polarity,
-    lowest: LowestEdges,
 }
 
-impl<'a, T: Topology, W: Fn(u32, u32) -> f64 + Sync> EdgeFunction<'a, T, W> {
+impl<'a, T: Topology, W: Fn(u32, u32) -> f64 + Sync> EdgeRelief<Weighed<'a, T, W>> {
     /// # Errors
     /// NaN.
-    pub fn new(topology: &'a T, weight: W, polarity: Polarity, parts: usize) -> Result<Self, TreeError> {
+    pub fn of_function(
+        topology: &'a T,
+        weight: W,
+        polarity: Polarity,
+        parts: usize,
+    ) -> Result<Self, TreeError> {
         let (mut levels, mut to) = (vec![0.0; topology.len()], vec![0u32; topology.len()]);
         let mut ranges = Vec::new();
         let (mut rest_levels, mut rest_to) = (&mut levels[..], &mut to[..]);
@@ -168,17 +163,35 @@ impl<'a, T: Topology, W: Fn(u32, u32) -> f64 + Sync> EdgeFunction<'a, T, W> {
             return Err(TreeError::NotANumber { what: "an edge of vertex", index });
         }
         let lowest = LowestEdges { top: LowestEdges::top(&levels), levels, to };
-        Ok(Self { topology, weight, polarity, lowest })
+        Ok(Self { edges: Weighed { topology, weight }, polarity, lowest })
     }
 }
 
-impl<T: Topology, W: Fn(u32, u32) -> f64 + Sync> Relief for EdgeFunction<'_, T, W> {
+impl<T: Topology, W: Fn(u32, u32) -> f64 + Sync> Edges for Weighed<'_, T, W> {
+    fn split(&self, _: usize, parts: usize) -> Vec<Range<usize>> {
+        self.topology.split(parts)
+    }
+
+    fn split_edges(&self, parts: usize) -> Vec<Range<usize>> {
+        self.topology.split(parts)
+    }
+
+    fn boundary(&self, range: Range<usize>, labels: &[u32], mut f: impl FnMut(u32, u32, f64)) {
+        self.topology.boundary(range, labels, |v, w| f(v, w, (self.weight)(v, w)));
+    }
+}
+
+impl<E: Edges> Relief for EdgeRelief<E> {
     fn len(&self) -> usize {
-        self.topology.len()
+        self.lowest.to.len()
     }
 
     fn split(&self, parts: usize) -> Vec<Range<usize>> {
-        self.topology.split(parts)
+        self.edges.split(self.len(), parts)
+    }
+
+    fn split_edges(&self, parts: usize) -> Vec<Range<usize>> {
+        self.edges.split_edges(parts)
     }
 
     #[inline(always)]
@@ -190,11 +203,17 @@ impl<T: Topology, W: Fn(u32, u32) -> f64 + Sync> Relief for EdgeFunction<'_, T, 
         self.lowest.top
     }
 
-    fn descend(&self, range: Range<usize>, f: impl FnMut(u32, u32)) {
-        self.lowest.descend(range, f);
+    /// Along lowest edges levels never rise; two vertices whose lowest edge is the same are a minimum,
+    /// of which the smaller stands for both.
+    fn descend(&self, range: Range<usize>, mut f: impl FnMut(u32, u32)) {
+        let to = &self.lowest.to;
+        for v in range.start as u32..range.end as u32 {
+            let next = to[v as usize];
+            f(v, if v < next && to[next as usize] == v { v } else { next });
+        }
     }
 
     fn boundary(&self, range: Range<usize>, labels: &[u32], mut f: impl FnMut(u32, u32, f64)) {
-        self.topology.boundary(range, labels, |v, w| f(v, w, self.polarity.orient((self.weight)(v, w))));
+        self.edges.boundary(range, labels, |u, v, weight| f(u, v, self.polarity.orient(weight)));
     }
 }

@@ -1,7 +1,7 @@
 //! Trees of weights on edges: quasi-flat zones.
 use mser3d_shape::{Connectivity, VoxelGrid};
 
-use super::edge_relief::{EdgeFunction, EdgeList};
+use super::edge_relief::EdgeRelief;
 use super::{build, check_edges, parts};
 use crate::topology::{DenseGrid, LinkedVoxels, Topology};
 use crate::{ComponentTree, Polarity, Stencil, TreeError, Volumes};
@@ -24,7 +24,7 @@ impl ComponentTree {
         polarity: Polarity,
     ) -> Result<Self, TreeError> {
         check_edges(n, edges)?;
-        build(&EdgeList::new(n, edges, weights, polarity)?, volumes.into(), polarity)
+        build(&EdgeRelief::of_list(n, edges, weights, polarity)?, volumes.into(), polarity)
     }
 
     /// The tree of an image or a volume with a weight for each pair of neighbours, given by a function
@@ -80,6 +80,6 @@ fn edge_tree<T: Topology>(
     volumes: Volumes<'_>,
     polarity: Polarity,
 ) -> Result<ComponentTree, TreeError> {
-    let relief = EdgeFunction::new(topology, weight, polarity, parts(topology.len()))?;
+    let relief = EdgeRelief::of_function(topology, weight, polarity, parts(topology.len()))?;
     build(&relief, volumes, polarity)
 }

@@ -30,13 +30,13 @@ pub(super) fn nodes<R: Relief>(
         write(&segments.first[branch], arrangement.first[branch], f64::NAN);
     });
     (0..joined.list.len()).into_par_iter().with_min_len(256).for_each(|slot| {
-        let Join { level, into } = branches.joins[joined.list[slot] as usize];
+        let Join { level, into } = joined.joins[slot];
         let place = arrangement.first[into as usize].plus(arrangement.later[slot]);
         write(&segments.later[slot], place, level);
     });
     let Output { vertices, altitudes, ends } = output;
     // The sorted vertices are no longer needed, their memory is.
-    let memory = sorted.entries.into_flattened();
+    let memory = sorted.memory;
     let parents = parents(branches, &joined, &segments, &arrangement, memory);
     Nodes {
         parents,
@@ -81,7 +81,7 @@ impl Output {
             let copy = |range: Range<usize>| {
                 let to = place + (range.start - start)..place + (range.end - start);
                 let out = self.vertices[to.clone()].iter().zip(&self.altitudes[to]);
-                for (&[v, _], (vertex, altitude)) in sorted.entries[range].iter().zip(out) {
+                for (&[v, _], (vertex, altitude)) in sorted.entries()[range].iter().zip(out) {
                     vertex.store(v, Relaxed);
                     altitude.store(polarity.orient(relief.level(v)).to_bits(), Relaxed);
                 }
@@ -102,7 +102,7 @@ impl Output {
             node += 1;
         }
         let mut last = f64::NAN;
-        for &[v, _] in &sorted.entries[segment.entries()] {
+        for &[v, _] in &sorted.entries()[segment.entries()] {
             self.vertices[end as usize].store(v, Relaxed);
             end += 1;
             let level = relief.level(v);

@@ -2,7 +2,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::branches::{Branches, Joined};
+use super::branches::{Branches, Join, Joined};
 use super::relief::Relief;
 use super::sorted::Sorted;
 use crate::order::NONE;
@@ -64,10 +64,9 @@ pub(super) struct Segments {
 
 impl Segments {
     pub fn new<R: Relief>(relief: &R, branches: &Branches, joined: &Joined, sorted: &Sorted) -> Self {
-        let level = |slot: usize| branches.level(joined.list[slot]);
-        let branch = |slot: usize| branches.joins[joined.list[slot] as usize].into;
-        let split = |slot: usize| sorted.split(relief, branch(slot), level(slot));
-        let splits: Vec<u32> = (0..joined.list.len()).into_par_iter().with_min_len(256).map(split).collect();
+        let level = |slot: usize| joined.joins[slot].level;
+        let split = |join: &Join| sorted.split(relief, join.into, join.level);
+        let splits: Vec<u32> = joined.joins.par_iter().with_min_len(256).map(split).collect();
         let measured = |branch: usize, start: u32, next: usize| {
             let last = next == joined.starts[branch + 1] as usize;
             let end = if last { sorted.starts[branch + 1] } else { splits[next] };
@@ -78,10 +77,10 @@ impl Segments {
             measured(branch, start, joined.starts[branch] as usize)
         };
         let later = |slot: usize| {
-            let branch = branch(slot) as usize;
+            let branch = joined.joins[slot].into as usize;
             let mut segment = measured(branch, splits[slot], slot + 1);
             let together = slot + 1 < joined.starts[branch + 1] as usize && level(slot + 1) == level(slot);
-            let enters = sorted.entries.get(segment.start as usize).filter(|_| segment.size.vertices > 0);
+            let enters = sorted.entries().get(segment.start as usize).filter(|_| segment.size.vertices > 0);
             segment.bare = !together && enters.is_none_or(|e| relief.level(e[0]) != level(slot));
             segment.size.nodes += u32::from(segment.bare);
             segment
@@ -98,9 +97,10 @@ impl Segments {
 fn measure<R: Relief>(relief: &R, sorted: &Sorted, stretch: Range<u32>) -> Segment {
     let range = stretch.start as usize..stretch.end as usize;
     let block = |block: Range<usize>| {
-        let least = sorted.entries[block.clone()].iter().map(|entry| entry[0]).min();
-        let rises = |&at: &usize| at == range.start || sorted.rises(relief, at);
-        (least.unwrap_or(NONE), block.filter(rises).count() as u32)
+        let least = sorted.entries()[block.clone()].iter().map(|entry| entry[0]).min();
+        let first = u32::from(block.start == range.start && !block.is_empty());
+        let rises = sorted.rises(relief, block.start.max(range.start + 1)..block.end);
+        (least.unwrap_or(NONE), first + rises)
     };
     let (least, nodes) = in_blocks(range.clone()).map_or_else(
         || block(range.clone()),

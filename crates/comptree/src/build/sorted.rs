@@ -1,3 +1,4 @@
+use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use rayon::prelude::*;
@@ -13,7 +14,8 @@ pub(super) type Entry = [u32; 2];
 
 /// All vertices by branch, along a branch by level, and of one level by number.
 pub(super) struct Sorted {
-    pub entries: Vec<Entry>,
+    /// The [`entries`](Self::entries), flat: this memory will become part of the tree.
+    pub memory: Vec<u32>,
     /// Where the vertices of each branch begin, and their number.
     pub starts: Vec<u32>,
     bins: Vec<Bins>,
@@ -86,7 +88,7 @@ impl Sorted {
             bins.push(Bins { first: bin, last: wanted - 1, low, scale });
             bin += wanted;
         }
-        Self { entries: Vec::new(), starts, bins, ends: vec![0; bin as usize] }
+        Self { memory: Vec::new(), starts, bins, ends: vec![0; bin as usize] }
     }
 
     /// Puts all vertices into their bins, ascending in each.
@@ -109,8 +111,8 @@ impl Sorted {
             }
             *end = sum;
         }
-        let shared = |entry: Entry| entry.map(AtomicU32::new);
-        let entries: Vec<_> = vec![[0; 2]; labels.len()].into_iter().map(shared).collect();
+        let shared: Vec<AtomicU32> = vec![0; 2 * labels.len()].into_iter().map(AtomicU32::new).collect();
+        let entries = shared.as_chunks::<2>().0;
         labels.par_chunks(step).zip(&mut cursors).enumerate().for_each(|(part, (labels, cursor))| {
             for (&branch, v) in labels.iter().zip(vertices(part)) {
                 let (bin, place) = of(v, branch);
@@ -121,16 +123,17 @@ impl Sorted {
                 *at += 1;
             }
         });
-        self.entries = entries.into_iter().map(|entry| entry.map(AtomicU32::into_inner)).collect();
+        self.memory = shared.into_iter().map(AtomicU32::into_inner).collect();
     }
 
     /// Sorts each bin.
     fn sort<R: Relief>(&mut self, relief: &R) {
-        let n = self.entries.len();
+        let entries = self.memory.as_chunks_mut::<2>().0;
+        let n = entries.len();
         // Groups of whole bins, a few for each thread.
         let wanted = if n < 1 << 16 { 1 } else { 8 * rayon::current_num_threads() };
         let mut groups: Vec<(&mut [Entry], &[u32], u32)> = Vec::new();
-        let (mut rest, mut ends, mut from) = (&mut self.entries[..], &self.ends[..], 0);
+        let (mut rest, mut ends, mut from) = (entries, &self.ends[..], 0);
         while !ends.is_empty() {
             let goal = from as usize + n.div_ceil(wanted);
             let bins = (ends.partition_point(|&e| (e as usize) < goal) + 1).min(ends.len());
@@ -150,20 +153,33 @@ impl Sorted {
         });
     }
 
+    #[inline(always)]
+    pub fn entries(&self) -> &[Entry] {
+        self.memory.as_chunks().0
+    }
+
     /// Where in a branch the vertices begin that enter at a level of its span or above.
     pub fn split<R: Relief>(&self, relief: &R, branch: u32, level: f64) -> u32 {
         let (bin, place) = self.bins[branch as usize].of(level);
         let start = if bin == 0 { 0 } else { self.ends[bin as usize - 1] };
-        let bin = &self.entries[start as usize..self.ends[bin as usize] as usize];
+        let bin = &self.entries()[start as usize..self.ends[bin as usize] as usize];
         let below = |e: &Entry| e[1] < place || e[1] == place && relief.level(e[0]) < level;
         start + bin.partition_point(below) as u32
     }
 
-    /// Whether the vertex at a place enters at another level than the one before it.
+    /// How many vertices of a range enter at another level than the one before them.
     #[inline(always)]
-    pub fn rises<R: Relief>(&self, relief: &R, at: usize) -> bool {
-        let [a, b] = [self.entries[at - 1], self.entries[at]];
-        a[1] != b[1] || relief.level(a[0]) != relief.level(b[0])
+    pub fn rises<R: Relief>(&self, relief: &R, range: Range<usize>) -> u32 {
+        if range.is_empty() {
+            return 0;
+        }
+        let entries = &self.entries()[range.start - 1..range.end];
+        let pairs = || entries.iter().zip(&entries[1..]);
+        let unclear = pairs().fold(0, |sum, (a, b)| sum + u32::from(a[1] == b[1]));
+        let level = |entry: &Entry| relief.level(entry[0]);
+        let equal = |(a, b): &(&Entry, &Entry)| a[1] == b[1] && level(a) == level(b);
+        // Of different places levels differ, nearly always.
+        range.len() as u32 - if unclear == 0 { 0 } else { pairs().filter(equal).count() as u32 }
     }
 }
 

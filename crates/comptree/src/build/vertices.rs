@@ -44,6 +44,8 @@ impl ComponentTree {
     /// The tree of an image (`dims = [width, height, 1]`) or a volume with a value for each of its
     /// voxels, x fastest. No graph is made.
     ///
+    /// Vertices are counted into bins by level, so that grey values of few bits cost no sorting.
+    ///
     /// Cost: about 60 ns a voxel on one core, 20 bytes a voxel at the peak beyond the values.
     ///
     /// ```

@@ -79,6 +79,8 @@ pub fn check_structure(tree: &ComponentTree) {
     let mut permutation = tree.permutation().to_vec();
     permutation.sort_unstable();
     assert!(permutation.iter().enumerate().all(|(i, &v)| i as u32 == v), "a permutation");
+    let childless = (0..tree.len() as u32).filter(|&node| tree.children(node).next().is_none());
+    assert!(tree.leaves().eq(childless));
     for node in 0..tree.len() as u32 {
         let set: BTreeSet<u32> = tree.vertices(node).iter().copied().collect();
         if let Some(parent) = tree.parent(node) {
