@@ -26,15 +26,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
         mser3d(&["detect", &format!("fixtures/human_{pose}.off"), "-o", &at(pose), "--quiet"])?;
     }
     mser3d(&["render", &at("rest"), "-o", &picture("human_rest.png"), "--height", "600"])?;
-    let views = ["--views", "inside,voxels", "--height", "600"];
-    mser3d(&[&["render", &at("rest"), "-o", &picture("human_cut.png")][..], &views].concat())?;
+    let views = ["--views", "inside,voxels", "--cut-at", "0.26", "--height", "600"];
+    mser3d(&[&["render", &at("kick"), "-o", &picture("human_cut.png")][..], &views].concat())?;
     mser3d(&["match", &at("rest"), &at("kick"), "-o", &at("match")])?;
     copy(&work.join("match/matches.png"), &pictures.join("human_match.png"))?;
     let shapes = ["human_rest.off", "human_walk.off", "human_wave.off", "quadruped_rest.off"];
     let shapes = shapes.map(|name| format!("fixtures/{name}"));
     let shapes: Vec<&str> = shapes.iter().map(String::as_str).collect();
     mser3d(&[&["batch", "-o", &at("all"), "--quiet"][..], &shapes].concat())?;
-    mser3d(&["query", &at("all"), &at("kick"), "-k", "5", "--html", &at("query.html")])?;
+    mser3d(&["query", &at("all"), &at("kick"), "--html", &at("query.html")])?;
     mser3d(&["view", &at("rest")])?;
     match browser::find() {
         None => println!("no Chromium here: page.png, page_phone.png and query.png stay as they are"),

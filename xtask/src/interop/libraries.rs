@@ -65,7 +65,7 @@ fn virtual_environment(folder: &Path) -> Result<PathBuf, String> {
     let host = if cfg!(windows) { "python" } else { "python3" };
     let made =
         output(Command::new(host).args(["-m", "venv", "--clear"]).arg(folder), Duration::from_secs(120));
-    made.map_err(|e| last_line(&format!("no Python with venv and pip: {e}")))?;
+    made.map_err(|e| brief(&format!("no Python with venv and pip: {e}")))?;
     if works(&python) { Ok(python) } else { Err("the new virtual environment has no pip".into()) }
 }
 
@@ -82,11 +82,11 @@ fn install(python: &Path, requirement: &str) -> Result<(), String> {
         "--no-deps",
     ]);
     command.args(["--only-binary", ":all:", "--timeout", "15", "--retries", "1", requirement]);
-    output(&mut command, INSTALL).map(drop).map_err(|e| last_line(&e))
+    output(&mut command, INSTALL).map(drop).map_err(|e| brief(&e))
 }
 
 fn node_modules(folder: &Path) -> Result<PathBuf, String> {
-    output(Command::new("node").arg("--version"), MINUTE).map_err(|e| last_line(&e))?;
+    output(Command::new("node").arg("--version"), MINUTE).map_err(|e| brief(&e))?;
     let at = |e: std::io::Error| format!("{}: {e}", folder.display());
     std::fs::create_dir_all(folder).map_err(at)?;
     std::fs::write(folder.join("package.json"), read("package.json")?).map_err(at)?;
@@ -94,7 +94,7 @@ fn node_modules(folder: &Path) -> Result<PathBuf, String> {
     let mut command = Command::new(npm);
     command.args(["install", "--no-audit", "--no-fund", "--no-package-lock", "--ignore-scripts"]);
     command.args(["--fetch-retries=1", "--fetch-timeout=15000"]).current_dir(folder);
-    output(&mut command, INSTALL).map_err(|e| last_line(&e))?;
+    output(&mut command, INSTALL).map_err(|e| brief(&e))?;
     Ok(folder.to_owned())
 }
 
@@ -103,7 +103,8 @@ fn read(name: &str) -> Result<String, String> {
     std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))
 }
 
-/// Package managers explain at length; the last line that says something is enough here.
-fn last_line(text: &str) -> String {
-    text.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or_default().trim().to_owned()
+/// Package managers explain at length; the first line that speaks of an error is enough here.
+fn brief(text: &str) -> String {
+    let speaks = |line: &&str| line.to_ascii_lowercase().contains("error");
+    text.lines().find(speaks).or_else(|| text.lines().next()).unwrap_or_default().trim().to_owned()
 }
