@@ -177,8 +177,7 @@ impl RegionOptions {
 
     /// The library's parameters; values out of range are wrong use.
     pub fn parameters(&self) -> Result<Parameters, CliError> {
-        let mut p = Parameters::default();
-        p.voxelize = self.voxels.parameters()?;
+        let mut p = Parameters { voxelize: self.voxels.parameters()?, ..Parameters::default() };
         p.spectrum.eigenpairs = self.eigenpairs.unwrap_or(p.spectrum.eigenpairs);
         p.spectrum.tolerance = self.tolerance;
         p.spectrum.solver = match self.solver {
