@@ -1,128 +1,178 @@
-"""Component trees: ours against Higra (and SciPy's spanning tree), one run, same fields, trees compared.
+"""Component trees by other people's libraries.
+
+    python tree.py probe                                   which are here, as JSON
+    python tree.py METHOD FIELD NX NY NZ                   builds a tree and says what it took, as JSON
+    python tree.py fixtures FILE                           Higra's answers on small fields, for our tests
+
+METHOD is higra-vertex, higra-edge or scipy-edge. FIELD holds little-endian float64, x fastest; neighbours share
+a face, and edge weights are absolute differences. Times leave out reading and, for edge trees, making the graph
+and its weights; memory is all beyond the field.
 
     pip install numpy scipy higra
-    cargo build --release -p mser3d-comptree --example timed_tree
-    python xtask/peers/tree.py [--sizes 45000,1000000,10000000] [--repeats 3] [--noise]
-
-Prints the best wall and processor seconds of the repeats, and bytes a voxel at the peak beyond the input.
-Compare ratios of one run, and processor seconds before wall seconds where a machine is shared.
 """
-import argparse
 import importlib.metadata
-import os
-import pathlib
-import subprocess
-import tempfile
+import json
+import sys
 import time
 
-import higra
 import numpy as np
-import scipy
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import minimum_spanning_tree
-
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-SIDES = {45_000: (36, 36, 35), 1_000_000: (100, 100, 100), 10_000_000: (200, 223, 224)}
 
 
-def smooth(shape):
-    """waves in random directions and a little noise, as PEERS' float field"""
-    rng = np.random.default_rng(0)
-    axes = np.meshgrid(*[np.linspace(0, 1, s) for s in shape], indexing='ij')
-    field = 0.002 * rng.standard_normal(shape)
-    for _ in range(12):
-        direction, phase = rng.uniform(-19, 19, 3), rng.uniform(0, 2 * np.pi)
-        field += np.sin(sum(d * a for d, a in zip(direction, axes)) + phase)
-    return field
+def probe():
+    versions = {}
+    for method, packages in (('higra', ('higra', 'numpy')), ('scipy', ('scipy', 'numpy'))):
+        try:
+            versions[method] = ', '.join(f'{p} {importlib.metadata.version(p)}' for p in packages)
+        except importlib.metadata.PackageNotFoundError:
+            pass
+    print(json.dumps(versions))
 
 
-def best(run, repeats):
-    """smallest wall and processor seconds, and the last result"""
-    wall, cpu = [], []
-    for _ in range(repeats):
-        result = None  # frees the last one first
-        start, worked = time.perf_counter(), time.process_time()
-        result = run()
-        wall.append(time.perf_counter() - start)
-        cpu.append(time.process_time() - worked)
-    return min(wall), min(cpu), result
+def memory(key):
+    with open('/proc/self/status') as status:
+        return 1024 * next(int(line.split()[1]) for line in status if line.startswith(key))
 
 
-def ours(field, weights, repeats, threads, out):
-    with tempfile.NamedTemporaryFile() as file:
-        field.tofile(file.name)
-        nz, ny, nx = field.shape
-        command = [ROOT / 'target/release/examples/timed_tree', file.name, 'f64', *map(str, (nx, ny, nz)), '6', weights,
-                   str(repeats if field.size > 500_000 else 40 * repeats), out]
-        environment = dict(os.environ, RAYON_NUM_THREADS=str(threads))
-        lines = subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout.split('\n')
-    found = {}
-    for line in filter(None, lines):
-        name, value = line.split()
-        found.setdefault(name, []).append(float(value))
-    nodes = np.fromfile(out).reshape(-1, 2)
-    return min(found['seconds']), found['cpu'][0], found['bytes'][0] / field.size, nodes
+def steps(stencil, forward_only):
+    """neighbours as steps (z, y, x), ascending"""
+    found = []
+    for z, y, x in np.ndindex(3, 3, 3):
+        step = (z - 1, y - 1, x - 1)
+        distance = sum(map(abs, step))
+        near = {4: step[0] == 0 and distance == 1, 8: step[0] == 0, 6: distance == 1, 18: distance <= 2, 26: True}
+        if distance > 0 and near[stencil] and (not forward_only or step > (0, 0, 0)):
+            found.append(step)
+    return found
 
 
 def node_pairs(tree, altitudes):
-    """(altitude, vertices) of all nodes of more than one vertex, sorted"""
-    area = higra.attribute_area(tree)
-    inner = np.arange(tree.num_vertices()) >= tree.num_leaves()
-    return canonical(np.c_[altitudes, area][inner])
+    """Altitude and number of vertices of each inner node and of its parent (a root's is itself)."""
+    import higra
+
+    inner = np.arange(tree.num_leaves(), tree.num_vertices())
+    own = np.c_[altitudes + 0.0, higra.attribute_area(tree)]
+    return own[inner], own[tree.parents()[inner]]
 
 
-def canonical(pairs):
-    pairs = pairs[pairs[:, 1] > 1]
-    return pairs[np.lexsort(pairs.T)]
+def digest(own, above):
+    """A number that trees share when their nodes of more than one vertex do: see digest.rs."""
+    with np.errstate(over='ignore'):
+        def words(pairs):
+            return pairs[:, 0].copy().view(np.uint64), pairs[:, 1].astype(np.uint64)
+
+        large = own[:, 1] > 1
+        (a, n), (b, m) = words(own[large]), words(above[large])
+        factors = [0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9, 0x27D4EB2F165667C5]
+        h = sum(x * np.uint64(f) for x, f in zip((a, n, b, m), factors))
+        h = (h ^ (h >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+        h = (h ^ (h >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+        return f'{int((h ^ (h >> np.uint64(31))).sum(dtype=np.uint64)):016x}', int(large.sum())
 
 
-def report(case, peer, wall, cpu, note=''):
-    print(f'{case:28} {peer:34} {wall:8.4f} {cpu:8.3f}  {note}', flush=True)
+def run(method, path, dims):
+    if method.startswith('higra'):
+        import higra
+    else:
+        from scipy.sparse import csr_matrix
+        from scipy.sparse.csgraph import minimum_spanning_tree
+    shape = dims[::-1]
+    field = np.fromfile(path).reshape(shape)
+    before = memory('VmRSS:')
+    try:
+        with open('/proc/self/clear_refs', 'w') as peak:
+            peak.write('5')
+    except OSError:
+        pass
+    if method == 'higra-vertex':
+        graph = higra.get_nd_regular_implicit_graph(shape, steps(6, False))
+        build = lambda: higra.component_tree_min_tree(graph, field)
+    elif method == 'higra-edge':
+        graph = higra.get_nd_regular_graph(shape, steps(6, True))
+        weights = higra.weight_graph(graph, field.ravel(), higra.WeightFunction.L1)
+        build = lambda: higra.quasi_flat_zone_hierarchy(graph, weights)
+    else:
+        numbers = np.arange(field.size, dtype=np.int32).reshape(shape)
+        ends, weights = [], []
+        for axis in range(3):
+            low, high = ([slice(None)] * 3 for _ in range(2))
+            low[axis], high[axis] = slice(None, -1), slice(1, None)
+            low, high = tuple(low), tuple(high)
+            ends.append((numbers[low].ravel(), numbers[high].ravel()))
+            # A zero is no entry of a sparse matrix.
+            weights.append(np.abs(field[low] - field[high]).ravel() + 1e-300)
+        rows, columns = (np.concatenate(e) for e in zip(*ends))
+        matrix = csr_matrix((np.concatenate(weights), (rows, columns)), shape=(field.size,) * 2)
+        del numbers, ends, weights, rows, columns
+        build = lambda: minimum_spanning_tree(matrix)
+    start, worked = time.perf_counter(), time.process_time()
+    result = build()
+    wall, cpu = time.perf_counter() - start, time.process_time() - worked
+    answer = {'cpu': cpu, 'wall': wall, 'memory': memory('VmHWM:') - before}
+    if method.startswith('higra'):
+        answer['digest'], answer['nodes'] = digest(*node_pairs(*result))
+    print(json.dumps(answer))
+
+
+def fixtures(path):
+    """Small fields with and without ties, all stencils, masks, both kinds of weights."""
+    import higra
+    from scipy import ndimage
+
+    rng = np.random.default_rng(20)
+    cases = []
+    for stencil, shape in ((4, (1, 7, 9)), (8, (1, 7, 9)), (6, (4, 5, 6)), (18, (4, 5, 6)), (26, (4, 5, 6))):
+        for values in (rng.integers(0, 5, shape).astype(float), np.round(rng.standard_normal(shape), 3)):
+            cases.append((stencil, values, np.ones(shape, bool)))
+            if stencil in (6, 26):
+                mask = rng.random(shape) < (0.7 if stencil == 6 else 0.4)
+                structure = np.zeros((3, 3, 3), bool)
+                for step in steps(stencil, False):
+                    structure[tuple(1 + s for s in step)] = True
+                parts, _ = ndimage.label(mask, structure)
+                # Higra's trees need connected graphs.
+                cases.append((stencil, values, parts == 1 + np.bincount(parts.ravel())[1:].argmax()))
+    lines = [f'Higra {importlib.metadata.version("higra")}, by xtask/peers/tree.py fixtures']
+    number = lambda x: repr(float(x)).removesuffix('.0')
+    for stencil, values, mask in cases:
+        inside = -np.ones(mask.shape, int)
+        inside[mask] = np.arange(mask.sum())
+        weights = values[mask]
+        edges = []
+        for at in zip(*np.nonzero(mask)):
+            for step in steps(stencil, True):
+                to = tuple(a + s for a, s in zip(at, step))
+                if all(0 <= t < n for t, n in zip(to, mask.shape)) and mask[to]:
+                    edges.append((inside[at], inside[to]))
+        graph = higra.UndirectedGraph(len(weights))
+        sources, targets = np.array(edges).T
+        graph.add_edges(sources, targets)
+        differences = np.abs(weights[sources] - weights[targets])
+        for kind, (tree, altitudes) in {
+            'vertex': higra.component_tree_min_tree(graph, weights),
+            'edge': higra.quasi_flat_zone_hierarchy(graph, differences),
+        }.items():
+            own, above = node_pairs(tree, altitudes)
+            area = higra.attribute_area(tree)
+            leaves = tree.parents()[: tree.num_leaves()]
+            lines += [
+                f'case {kind} {stencil} ' + ' '.join(map(str, values.shape[::-1])),
+                'values ' + ' '.join(map(number, values.ravel())),
+                'mask ' + ''.join('01'[int(m)] for m in mask.ravel()),
+                'nodes ' + ' '.join(f'{number(a)} {int(n)} {number(b)} {int(m)}'
+                                    for (a, n), (b, m) in sorted(zip(map(tuple, own), map(tuple, above)))),
+                'smallest ' + ' '.join(f'{number(altitudes[i])} {int(area[i])}' for i in leaves),
+            ]
+    with open(path, 'w') as file:
+        file.write('\n'.join(lines) + '\n')
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument('--sizes', default='45000,1000000,10000000')
-    parser.add_argument('--repeats', type=int, default=3)
-    parser.add_argument('--noise', action='store_true', help='white noise instead of a smooth field')
-    options = parser.parse_args()
-    print(f"Higra {importlib.metadata.version('higra')}, SciPy {scipy.__version__}, NumPy {np.__version__}")
-    print(f'{"case":28} {"":34} {"wall s":>8} {"cpu s":>8}')
-    out = tempfile.NamedTemporaryFile(delete=False).name
-    for size in map(int, options.sizes.split(',')):
-        shape = SIDES[size]
-        field = np.random.default_rng(1).standard_normal(shape) if options.noise else smooth(shape)
-        steps = [(-1, 0, 0), (0, -1, 0), (0, 0, -1), (0, 0, 1), (0, 1, 0), (1, 0, 0)]
-        implicit = higra.get_nd_regular_implicit_graph(shape, steps)
-        case = f'vertex {size}'
-        wall, cpu, (tree, altitudes) = best(lambda: higra.component_tree_min_tree(implicit, field), options.repeats)
-        report(case, 'Higra, implicit graph', wall, cpu)
-        expected = node_pairs(tree, altitudes)
-        del tree, altitudes
-        for threads in (1, 2):
-            w, c, bytes_each, nodes = ours(field, 'vertex', options.repeats, threads, out)
-            same = np.array_equal(canonical(nodes), expected)
-            report(case, f'mser3d, {threads} threads', w, c,
-                   f'wall x {wall / w:.1f}, cpu x {cpu / c if c else float("nan"):.1f}, {bytes_each:.1f} bytes a voxel, {"same tree" if same else "TREES DIFFER"}')
-        del expected, nodes
-        case = f'edge {size}'
-        built, _, graph = best(lambda: higra.get_nd_regular_graph(shape, [(0, 0, 1), (0, 1, 0), (1, 0, 0)]), 1)
-        weights = higra.weight_graph(graph, field.ravel(), higra.WeightFunction.L1)
-        wall, cpu, (tree, altitudes) = best(lambda: higra.quasi_flat_zone_hierarchy(graph, weights), options.repeats)
-        report(case, 'Higra, quasi-flat zones', wall, cpu, f'and {built:.3f} s for the graph')
-        expected = node_pairs(tree, altitudes)
-        sources, targets = graph.edge_list()
-        matrix = csr_matrix((weights + 1e-300, (sources, targets)), shape=(field.size, field.size))
-        del tree, altitudes, graph, weights, sources, targets
-        spanning = best(lambda: minimum_spanning_tree(matrix), 1)
-        report(case, 'SciPy, spanning tree only', *spanning[:2])
-        del matrix, spanning
-        for threads in (1, 2):
-            w, c, bytes_each, nodes = ours(field, 'edge', options.repeats, threads, out)
-            same = np.array_equal(canonical(nodes), expected)
-            report(case, f'mser3d, {threads} threads', w, c,
-                   f'wall x {wall / w:.1f}, cpu x {cpu / c if c else float("nan"):.1f}, {bytes_each:.1f} bytes a voxel, {"same tree" if same else "TREES DIFFER"}')
-    os.unlink(out)
+    if sys.argv[1] == 'probe':
+        probe()
+    elif sys.argv[1] == 'fixtures':
+        fixtures(sys.argv[2])
+    else:
+        run(sys.argv[1], sys.argv[2], tuple(map(int, sys.argv[3:6])))
 
 
 if __name__ == '__main__':

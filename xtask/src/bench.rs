@@ -1,8 +1,10 @@
 //! `cargo xtask bench`: our stages beside other people's, on the same input, in one run.
 
 mod process;
+mod python;
 mod refine;
 mod spectrum;
+mod tree;
 mod voxelize;
 
 use std::error::Error;
@@ -18,6 +20,8 @@ pub struct Arguments {
 enum Bench {
     /// Eigenpairs: our two solvers, SciPy, LaPy and Spectra
     Spectrum(spectrum::Arguments),
+    /// Component trees: Higra and SciPy
+    Tree(tree::Arguments),
     /// Solids: Open3D, VTK, libigl and trimesh
     Voxelize(voxelize::Arguments),
 }
@@ -26,6 +30,7 @@ enum Bench {
 pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     match &arguments.bench {
         Bench::Spectrum(arguments) => spectrum::run(arguments),
+        Bench::Tree(arguments) => tree::run(arguments),
         Bench::Voxelize(arguments) => voxelize::run(arguments),
     }
 }

@@ -36,6 +36,11 @@ impl Stopwatch {
     }
 }
 
+/// Resident memory now, bytes; NaN where the system doesn't say.
+pub fn resident() -> f64 {
+    status_bytes("VmRSS:")
+}
+
 fn cpu_seconds() -> f64 {
     let stat = fs::read_to_string("/proc/self/stat").unwrap_or_default();
     // The second field is the program's name in parentheses; utime and stime are the 14th and 15th.

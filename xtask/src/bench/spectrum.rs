@@ -19,6 +19,7 @@ use report::Row;
 use solvers::{Peers, Solver};
 
 use super::process::machine;
+use super::python::answer;
 
 /// What `cargo xtask bench spectrum` can be told.
 #[derive(clap::Args)]
@@ -201,13 +202,7 @@ fn run_solver(
     for variable in ["RAYON_NUM_THREADS", "OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"] {
         command.env(variable, threads.to_string());
     }
-    let output = command.output()?;
-    if !output.status.success() {
-        let text = String::from_utf8_lossy(&output.stderr);
-        return Err(text.lines().next_back().unwrap_or("no message").into());
-    }
-    let text = String::from_utf8_lossy(&output.stdout);
-    let answer: Value = serde_json::from_str(text.lines().next_back().unwrap_or_default())?;
+    let answer = answer(&mut command)?;
     let number = |key: &str| answer[key].as_f64().unwrap_or(f64::NAN);
     let (values, residual, orthogonality) = match answer["values"].as_array() {
         Some(values) => {

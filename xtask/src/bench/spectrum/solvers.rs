@@ -1,13 +1,12 @@
 //! Our solvers and the peers: which are here, and how each is run in a process of its own.
 
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
-use mser3d::spectral::Eigensolver;
-use serde_json::Value;
-
 use super::cases::{Case, Shape};
+use crate::bench::python::Python;
+use mser3d::spectral::Eigensolver;
 
 /// Who solves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,8 +20,7 @@ pub enum Solver {
 
 /// Where the peers are installed.
 pub struct Peers {
-    folder: PathBuf,
-    python: PathBuf,
+    python: Python,
     versions: Vec<(Solver, String)>,
 }
 
@@ -101,32 +99,26 @@ impl Peers {
     /// Looks for the peers, and installs them first if asked to.
     pub fn find(install: bool, python: Option<&Path>) -> Result<Self, Box<dyn Error>> {
         let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("peers");
-        let target = std::env::var_os("CARGO_TARGET_DIR").map(PathBuf::from);
-        let target = target.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../target"));
-        let folder = target.join("peers");
-        std::fs::create_dir_all(&folder)?;
-        let environment = folder.join("venv");
-        let python = match python {
-            Some(python) => python.to_path_buf(),
-            None if install || environment.exists() => environment.join("bin/python"),
-            None => "python3".into(),
-        };
-        if install {
-            install_python_peers(&environment)?;
-        }
+        let packages: &[&[&str]] = &[
+            &["numpy"],
+            &["scipy"],
+            &["lapy"],
+            &["cholespy"],
+            // The newest needs SuiteSparse 7; the one before takes what the system has.
+            &["scikit-sparse", "scikit-sparse<0.5"],
+        ];
+        let python = Python::find(python, install, packages)?;
         let mut versions = Vec::new();
-        if let Some(version) = compile_spectra(&sources.join("spectra.cpp"), &folder.join("spectra")) {
+        if let Some(version) = compile_spectra(&sources.join("spectra.cpp"), &python.folder.join("spectra")) {
             versions.push((Solver::Spectra, version));
         }
-        let probe = Command::new(&python).arg(sources.join("spectrum.py")).arg("probe").output();
-        let probe: Value =
-            probe.ok().and_then(|o| serde_json::from_slice(&o.stdout).ok()).unwrap_or_default();
+        let probe = python.probe("spectrum.py");
         for solver in [Solver::ScipyCholmod, Solver::ScipySuperLu, Solver::Lapy] {
             if let Some(version) = probe[python_name(solver)].as_str() {
                 versions.push((solver, version.to_string()));
             }
         }
-        Ok(Self { folder, python, versions })
+        Ok(Self { python, versions })
     }
 
     /// Whether a solver can run.
@@ -150,7 +142,7 @@ impl Peers {
 
     /// Where problems and solutions are written.
     pub fn folder(&self) -> &Path {
-        &self.folder
+        &self.python.folder
     }
 
     /// The command that solves a case; a peer writes its solution to `solution`.
@@ -168,11 +160,10 @@ impl Peers {
                 command.args(["bench", "spectrum", "--child", &case.name, solver.label()]);
                 return Ok(command);
             }
-            Solver::Spectra => Command::new(self.folder.join("spectra")),
+            Solver::Spectra => Command::new(self.python.folder.join("spectra")),
             _ => {
-                let mut command = Command::new(&self.python);
-                let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("peers/spectrum.py");
-                command.arg(script).arg(python_name(solver));
+                let mut command = self.python.script("spectrum.py");
+                command.arg(python_name(solver));
                 command
             }
         };
@@ -187,25 +178,6 @@ fn python_name(solver: Solver) -> &'static str {
         Solver::Lapy => "lapy",
         _ => "scipy-cholmod",
     }
-}
-
-fn install_python_peers(environment: &Path) -> Result<(), Box<dyn Error>> {
-    let run = |program: &Path, arguments: &[&str]| -> Result<bool, Box<dyn Error>> {
-        Ok(Command::new(program).args(arguments).status()?.success())
-    };
-    if !environment.exists() {
-        let folder = environment.to_str().ok_or("the target folder's name is not Unicode")?;
-        if !run(Path::new("python3"), &["-m", "venv", folder])? {
-            return Err("python3 -m venv failed; apt-get install python3-venv".into());
-        }
-    }
-    let pip = environment.join("bin/pip");
-    run(&pip, &["install", "--quiet", "numpy", "scipy", "lapy", "cholespy"])?;
-    // The newest needs SuiteSparse 7; the one before takes what the system has.
-    if !run(&pip, &["install", "--quiet", "scikit-sparse"])? {
-        run(&pip, &["install", "--quiet", "scikit-sparse<0.5"])?;
-    }
-    Ok(())
 }
 
 /// Compiles the Spectra peer, and says which versions of its headers were found.
