@@ -32,8 +32,8 @@ pub fn colours(mesh: &TriangleMesh, regions: &[VertexSet]) -> Vec<Rgb> {
     region_colours(regions.len(), &innermost(mesh.vertices().len(), regions), &graph, &[])
 }
 
-/// The colours of another shape's regions: each has the colour of the null region that it overlaps most;
-/// grey if that is half or less.
+/// The colours of another shape's regions: each has the colour of the null region that it overlaps most,
+/// or, if that is half or less, whose mirror image it overlaps most; grey if that is half or less, too.
 pub fn colours_of_same(
     null: &NullShape,
     null_regions: &[VertexSet],
@@ -41,13 +41,17 @@ pub fn colours_of_same(
     regions: &[VertexSet],
     transfer: &Transfer,
 ) -> Result<Vec<Rgb>, ShrecError> {
-    let overlaps = Overlaps::new(null, null_regions, regions, transfer)?;
-    let best = |r: u32| {
-        let all = (0..null_regions.len() as u32).map(|n| (n, overlaps.get(r as usize, n as usize)));
-        let (n, overlap) = all.max_by(|a, b| a.1.total_cmp(&b.1))?;
-        (overlap > 0.5).then_some([n, r])
+    let sided = NullShape::new(null.mesh().clone());
+    let best = |overlaps: &Overlaps, r: usize| {
+        let all = (0..null_regions.len()).map(|n| (n as u32, overlaps.get(r, n)));
+        all.max_by(|a, b| a.1.total_cmp(&b.1))
+            .filter(|(_, overlap)| *overlap > 0.5)
+            .map(|(n, _)| [n, r as u32])
     };
-    let pairs: Vec<[u32; 2]> = (0..regions.len() as u32).filter_map(best).collect();
+    let direct = Overlaps::new(&sided, null_regions, regions, transfer)?;
+    let either = Overlaps::new(null, null_regions, regions, transfer)?;
+    let pairs: Vec<[u32; 2]> =
+        (0..regions.len()).filter_map(|r| best(&direct, r).or_else(|| best(&either, r))).collect();
     Ok(linked_colours(null_colours, &pairs, regions.len()))
 }
 

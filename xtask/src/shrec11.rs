@@ -89,7 +89,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let scored = run::score(arguments, &benchmark, &detectors)?;
     write(&output.join("regions.csv"), &tables::regions_csv(&scored))?;
     write(&output.join("shapes.csv"), &tables::shapes_csv(&scored))?;
-    let summary = tables::summary(&scored);
+    let summary = tables::summary(&scored, &settings);
     write(&output.join("summary.md"), &summary)?;
     let mut curves = Vec::new();
     for (name, drawing) in curves::all(&scored) {

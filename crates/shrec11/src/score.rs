@@ -50,6 +50,16 @@ impl Score {
         Ok(Self { shape: name.clone(), best: overlaps.best(), best_common: common.best(), matched })
     }
 
+    /// The score of the first regions alone, as many as given, still against all regions of the null shape. A
+    /// detector that finds few large regions has an easier task than one that finds many small ones
+    /// too; this compares them where both list the largest first.
+    pub fn of_first(&self, regions: usize) -> Self {
+        let first = |values: &[f64]| values.iter().copied().take(regions).collect();
+        let (best, best_common, matched) =
+            (first(&self.best), first(&self.best_common), first(&self.matched));
+        Self { shape: self.shape.clone(), best, best_common, matched }
+    }
+
     /// Number of regions.
     pub fn regions(&self) -> usize {
         self.best.len()

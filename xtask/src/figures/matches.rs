@@ -73,7 +73,7 @@ pub fn draw(voxels: usize, more: &[PathBuf], path: &Path) -> Result<(), Box<dyn 
         .map(|(caption, model)| Panel { model, view: View::THREE_QUARTER, caption: caption.clone() })
         .collect();
     let options =
-        RenderOptions { height: 190, columns: shapes.len(), caption_size: Some(9), ..Default::default() };
+        RenderOptions { height: 160, columns: shapes.len(), caption_size: Some(9), ..Default::default() };
     write_png(&render(&panels, &options)?, path)
 }
 

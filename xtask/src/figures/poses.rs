@@ -47,9 +47,12 @@ pub fn draw(voxels: usize, path: &Path) -> Result<(), Box<dyn Error>> {
         for (region, colour) in regions.iter().zip(&colours) {
             region.elements.iter().for_each(|&e| voxels[e as usize] = *colour);
         }
-        let bounds = mesh.bounding_box().ok_or("a mesh without vertices")?;
+        // Through the trunk, wherever limbs reach: half of the vertices lie before it.
+        let mut depths: Vec<f64> = mesh.vertices().iter().map(|v| v[2]).collect();
+        depths.sort_by(f64::total_cmp);
+        let cut = Cut { normal: [0.0, 0.0, 1.0], offset: depths[depths.len() / 2] };
         let surface = Colours::Regions { labels: &labels, colours: &colours };
-        inside.push(Model::from_section(&mesh, surface, grid, &voxels, &Cut::across(&bounds, 2, 0.5))?);
+        inside.push(Model::from_section(&mesh, surface, grid, &voxels, &cut)?);
     }
     let above = POSES.iter().zip(&outside).map(|(pose, model)| (pose.to_string(), model));
     let below = POSES.iter().zip(&inside).map(|(pose, model)| (format!("{pose}, cut open"), model));

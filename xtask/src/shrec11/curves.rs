@@ -20,6 +20,11 @@ const COLOURS: [&str; 8] =
 /// none of these were asked for).
 pub fn all(all: &[Scored]) -> Vec<(String, String)> {
     let solids = all.iter().flat_map(|s| &s.scores).any(|s| is_solid(&s.shape));
+    let mut numbered: Vec<(usize, &Scored)> = Vec::new();
+    for same_regions in [false, true] {
+        let of = all.iter().filter(|s| s.same_regions == same_regions);
+        numbered.extend((numbered.len()..).zip(of).collect::<Vec<_>>());
+    }
     let mut drawings = Vec::new();
     let measures: [(&str, &str, bool, fn(&Score, f64) -> f64); 3] = [
         ("repeatability", "Repeatability", true, Score::repeatability),
@@ -27,7 +32,9 @@ pub fn all(all: &[Scored]) -> Vec<(String, String)> {
         ("matching", "Matching score", false, Score::matching),
     ];
     for (file, title, once, measure) in measures {
-        let shown: Vec<&Scored> = all.iter().filter(|s| !(once && s.same_regions)).collect();
+        // A detector has the same colour in all drawings.
+        let shown: Vec<(usize, &Scored)> =
+            numbered.iter().copied().filter(|(_, s)| !(once && s.same_regions)).collect();
         for strength in [3, 5] {
             let title = format!("{title}, strengths up to {strength}");
             let wanted = move |s: &ShapeName| s.strength <= strength && (is_solid(s) || !solids);
@@ -38,25 +45,20 @@ pub fn all(all: &[Scored]) -> Vec<(String, String)> {
 }
 
 fn curves(
-    shown: &[&Scored],
+    shown: &[(usize, &Scored)],
     title: &str,
     wanted: &dyn Fn(&ShapeName) -> bool,
     measure: fn(&Score, f64) -> f64,
 ) -> String {
     let thresholds: Vec<f64> = (0..=50).map(|i| f64::from(i) / 50.0).collect();
-    let lines: Vec<(&str, Vec<f64>)> = shown
+    let lines: Vec<(&str, usize, Vec<f64>)> = shown
         .iter()
-        .map(|scored| {
+        .map(|(number, scored)| {
             let at = |t: &f64| mean_score(&scored.scores, wanted, |s| measure(s, *t)).unwrap_or(0.0);
-            (scored.name.as_str(), thresholds.iter().map(at).collect())
+            (scored.name.as_str(), *number, thresholds.iter().map(at).collect())
         })
         .collect();
-    plot(title, "overlap", &thresholds, &lines)
-}
-
-/// Lines over x from 0 to 1, with a legend.
-pub fn plot(title: &str, axis: &str, xs: &[f64], lines: &[(&str, Vec<f64>)]) -> String {
-    let highest = lines.iter().flat_map(|(_, values)| values).fold(1.0, |a: f64, b| a.max(*b)).ceil();
+    let highest = lines.iter().flat_map(|(_, _, values)| values).fold(1.0, |a: f64, b| a.max(*b)).ceil();
     let place = |x: f64, value: f64| (LEFT + SIDE * x, TOP + SIDE * (1.0 - value / highest));
 
     let mut svg = format!(
@@ -82,21 +84,21 @@ pub fn plot(title: &str, axis: &str, xs: &[f64], lines: &[(&str, Vec<f64>)]) -> 
     }
     let _ = writeln!(
         svg,
-        "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{axis}</text>",
+        "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">overlap</text>",
         LEFT + SIDE / 2.0,
         TOP + SIDE + 40.0
     );
-    for (number, (name, values)) in lines.iter().enumerate() {
+    for (row, (name, number, values)) in lines.iter().enumerate() {
         let colour = COLOURS[number % COLOURS.len()];
         // When colours run out, lines are dashed.
-        let dashes = if number < COLOURS.len() { "" } else { " stroke-dasharray=\"5 3\"" };
-        let points: Vec<String> = xs
+        let dashes = if *number < COLOURS.len() { "" } else { " stroke-dasharray=\"5 3\"" };
+        let points: Vec<String> = thresholds
             .iter()
             .zip(values)
             .map(|(x, value)| place(*x, *value))
             .map(|(x, y)| format!("{x:.1},{y:.1}"))
             .collect();
-        let (x, y) = (LEFT + SIDE + 20.0, TOP + 14.0 + 20.0 * number as f64);
+        let (x, y) = (LEFT + SIDE + 20.0, TOP + 14.0 + 20.0 * row as f64);
         let _ = writeln!(
             svg,
             "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.8\"{dashes}/>\n\

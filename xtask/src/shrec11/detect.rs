@@ -70,7 +70,7 @@ impl<'m> Media<'m> {
     fn get(&mut self, medium: Medium) -> Result<&Solved, Box<dyn Error>> {
         let slot = &mut self.solved[medium as usize];
         if slot.is_none() {
-            let spectrum = SpectrumParameters { eigenpairs: self.eigenpairs, ..Default::default() };
+            let spectrum = SpectrumParameters { eigenpairs: self.eigenpairs.into(), ..Default::default() };
             let cut_links = medium == Medium::Volume;
             let voxelize = VoxelizeParameters { pitch: self.pitch, cut_links, ..Default::default() };
             *slot = Some(match medium {
@@ -131,7 +131,7 @@ impl Shared {
         detectors: &[Detector],
         store: &Store,
     ) -> Vec<String> {
-        let scaled = is_scaled(name);
+        let scaled = is_scaled(&name.class);
         let pitch = if scaled { Pitch::Voxels(self.sizes.voxels) } else { Pitch::Size(self.pitch) };
         let mut media = Media::new(mesh, pitch, self.sizes.eigenpairs);
         let mut one = |detector: &Detector, null: &OnNull| -> Result<(), Box<dyn Error>> {
@@ -146,7 +146,8 @@ impl Shared {
             }
             let grid = media.get(detector.medium)?.body().grid();
             if let (Some(map), Some(null_grid), Some(grid)) = (map, &null.grid, grid) {
-                let overlaps = best_overlaps(null_grid, &null.regions, map, grid, &found.regions);
+                let overlaps =
+                    best_overlaps(null_grid, &elements(&null.regions), map, grid, &elements(&found.regions));
                 store.write_voxel_overlaps(detector, name, &overlaps)?;
             }
             store.seal(detector, name, &key)
@@ -187,9 +188,8 @@ impl Shared {
             let descriptors = match description {
                 Description::SiHks => describe(media.get(detector.medium)?.basis(), &regions, &parameters)?,
                 Description::Sized => {
-                    let basis = media.get(detector.medium)?.basis();
-                    let whole = parameters.reference_measure.unwrap_or(basis.measure());
-                    sized(&describe(basis, &regions, &parameters)?, &regions, whole)?
+                    let rows = describe(media.get(detector.medium)?.basis(), &regions, &parameters)?;
+                    sized(&rows, &regions)?
                 }
                 Description::Hks => {
                     // The null shape's times, as in the paper: this descriptor knows of no scale.
@@ -222,8 +222,7 @@ impl Shared {
     fn bags(&self, solved: &Solved, regions: &[Region], scaled: bool) -> Result<Descriptors, Box<dyn Error>> {
         let vocabulary = self.vocabulary.as_ref().ok_or("no vocabulary was trained")?;
         let parameters = self.si_hks_parameters(Domain::Volume, scaled);
-        let members: Vec<&[u32]> = regions.iter().map(|r| &r.elements[..]).collect();
-        Ok(region_descriptors(&members, solved.basis().mass(), |voxels| {
+        Ok(region_descriptors(&elements(regions), solved.basis().mass(), |voxels| {
             vocabulary.encode(&si_hks(solved.basis(), &parameters, Some(voxels))?)
         })?)
     }
@@ -237,8 +236,7 @@ impl Shared {
         let grid = solved.body().grid().ok_or("integral invariants need voxels")?;
         let unit = (!scaled).then_some(self.volume.cbrt());
         let parameters = IntegralInvariantParameters { unit, ..Default::default() };
-        let members: Vec<&[u32]> = regions.iter().map(|r| &r.elements[..]).collect();
-        Ok(region_descriptors(&members, solved.basis().mass(), |voxels| {
+        Ok(region_descriptors(&elements(regions), solved.basis().mass(), |voxels| {
             integral_invariants(grid, &parameters, Some(voxels))
         })?)
     }
@@ -258,15 +256,21 @@ impl Shared {
 }
 
 /// Scaled shapes get a pitch and times of their own: the null shape's, scaled.
-fn is_scaled(name: &ShapeName) -> bool {
-    ["scaling", "scale"].contains(&name.class.as_str())
+pub fn is_scaled(class: &str) -> bool {
+    ["scaling", "scale"].contains(&class)
 }
 
-/// SI-vHKS with one more number for each region: where its own time V^(2/3) lies among the samples of
-/// tau, 16 for each doubling, so that it has the weight of the shifts that the signature forgets.
-fn sized(rows: &Descriptors, regions: &[Region], whole: f64) -> Result<Descriptors, DescriptorError> {
+/// The voxels or vertices of each region.
+fn elements(regions: &[Region]) -> Vec<&[u32]> {
+    regions.iter().map(|r| &r.elements[..]).collect()
+}
+
+/// SI-vHKS with one more number for each region: where its own time V^(2/3), relative to the body's, lies
+/// among the samples of tau, 16 for each doubling. So it has the weight of the shifts that the signature
+/// forgets.
+fn sized(rows: &Descriptors, regions: &[Region]) -> Result<Descriptors, DescriptorError> {
     let octave = SiHksParameters::default().samples_per_octave as f64;
-    let place = |region: &Region| octave * 2.0 / 3.0 * (region.volume / whole).log2();
+    let place = |region: &Region| octave * 2.0 / 3.0 * region.volume_fraction.log2();
     let with_size = |(row, region): (&[f64], &Region)| [row, &[place(region)]].concat();
     let values = rows.rows().zip(regions).flat_map(with_size).collect();
     Descriptors::new(rows.width() + 1, values)

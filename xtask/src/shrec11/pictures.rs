@@ -10,6 +10,7 @@ use mser3d_viewer::{Model, Panel, RenderOptions, Rgb, View, render};
 use rayon::prelude::*;
 
 use super::Arguments;
+use super::detect::is_scaled;
 use super::run::names;
 use crate::drawing::{colours, colours_of_same, model, plain, write_png};
 
@@ -39,10 +40,11 @@ pub fn draw(
             let of_class = names.iter().copied().filter(|n| n.class == *class);
             of_class.max_by_key(|n| n.strength)
         };
-        let strongest = classes.iter().filter_map(strongest).collect();
+        // All are drawn at one scale: beside one of double size the others would be too small.
+        let strongest = classes.iter().filter(|c| !is_scaled(c)).filter_map(strongest).collect();
         sheets.push((format!("{number:04}.strongest.png"), "the strongest of each class".into(), strongest));
         let drawn = sheets.par_iter().map(|(file, title, names)| {
-            let columns = if names.len() > 6 { 7 } else { 0 };
+            let columns = if names.len() > 6 { 5 } else { 0 };
             artist.sheet(names, columns, &folder.join(file)).map_err(|e| format!("{file}: {e}"))?;
             Ok((format!("pictures/{file}"), title.clone()))
         });

@@ -69,7 +69,7 @@ type Measure = fn(&Score) -> f64;
 pub fn overview(all: &[Scored], up_to_strength: u32) -> Table {
     let solid = move |s: &ShapeName| s.strength <= up_to_strength && is_solid(s);
     let any = move |s: &ShapeName| s.strength <= up_to_strength;
-    let columns: [(&str, bool, Measure); 9] = [
+    let columns: [(&str, bool, Measure); 11] = [
         ("regions", true, |s| s.regions() as f64),
         ("repeatability at .7", true, |s| s.repeatability(0.7)),
         ("at .8", true, |s| s.repeatability(0.8)),
@@ -77,6 +77,8 @@ pub fn overview(all: &[Scored], up_to_strength: u32) -> Table {
         ("correspondences at .8", true, |s| s.correspondences(0.8) as f64),
         ("matching at .8", true, |s| s.matching(0.8)),
         ("at .9", true, |s| s.matching(0.9)),
+        ("first ten regions: repeatability at .8", true, |s| s.of_first(10).repeatability(0.8)),
+        ("matching at .8", true, |s| s.of_first(10).matching(0.8)),
         ("all classes: repeatability at .8", false, |s| s.repeatability(0.8)),
         ("matching at .8", false, |s| s.matching(0.8)),
     ];
@@ -187,15 +189,16 @@ pub fn is_solid(shape: &ShapeName) -> bool {
     SOLID_CLASSES.contains(&shape.class.as_str())
 }
 
-/// All tables, as Markdown.
-pub fn summary(all: &[Scored]) -> String {
+/// All tables, as Markdown, below what they were made from.
+pub fn summary(all: &[Scored], settings: &str) -> String {
     let mut tables = vec![overview(all, 5), overview(all, 3)];
     if let Some(first) = all.first() {
         tables.push(by_strength(first, "Repeatability at overlap 0.8", |s| s.repeatability(0.8)));
         tables.push(by_strength(first, "Matching score at overlap 0.8", |s| s.matching(0.8)));
     }
     tables.extend(by_class(all));
-    tables.iter().map(|t| format!("## {}\n\n{}\n", t.title, t.markdown())).collect()
+    let tables: String = tables.iter().map(|t| format!("\n## {}\n\n{}", t.title, t.markdown())).collect();
+    format!("# Scores of detectors and descriptors\n\n```text\n{settings}```\n{tables}")
 }
 
 /// A row for each region of each transformed shape.
@@ -270,7 +273,7 @@ mod tests {
         assert!(table.contains("| holes | 1.000 |"));
         assert!(table.contains("| mean over the eight | 0.250 |"));
         assert!(table.contains("| mean over all | 0.500 |"));
-        let row = "| ours | 2.000 | 0.375 | 0.250 | 0.125 | 1.000 | 0.125 | 0.125 | 0.500 | 0.417 |";
+        let row = "| ours | 2.000 | 0.375 | 0.250 | 0.125 | 1.000 | 0.125 | 0.125 | 0.250 | 0.125 | 0.500 | 0.417 |";
         assert!(overview(&scores(), 5).markdown().contains(row), "{}", overview(&scores(), 5).markdown());
         let by_strength = by_strength(&scores()[0], "Repeatability", |s| s.repeatability(0.8)).markdown();
         assert!(by_strength.contains("| noise | 0.500 |  | 0.000 |"), "{by_strength}");

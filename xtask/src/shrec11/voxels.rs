@@ -1,18 +1,17 @@
 //! Overlaps in voxels, where a map of space says which voxel of a transform a voxel came to be.
 
-use mser3d::Region;
 use mser3d::shape::VoxelGrid;
 use mser3d_shrec11::SpaceMap;
 
 /// For each region of a transform the greatest |A and B| / |A or B| with a region of the null shape,
 /// counted over the null shape's voxels: each stands for the transform's voxel that its centre is
-/// mapped into, or for none. No mirror images here.
+/// mapped into, or for none. Regions list their voxels. No mirror images here.
 pub fn best_overlaps(
     null: &VoxelGrid,
-    null_regions: &[Region],
+    null_regions: &[&[u32]],
     map: &SpaceMap,
     transformed: &VoxelGrid,
-    regions: &[Region],
+    regions: &[&[u32]],
 ) -> Vec<f64> {
     let frame = transformed.frame();
     let counterpart: Vec<Option<u32>> = null
@@ -26,12 +25,12 @@ pub fn best_overlaps(
     let mut best = Vec::with_capacity(regions.len());
     for region in regions {
         let mut members = vec![false; transformed.len()];
-        region.elements.iter().for_each(|&e| members[e as usize] = true);
+        region.iter().for_each(|&e| members[e as usize] = true);
         let carried: Vec<bool> = counterpart.iter().map(|c| c.is_some_and(|c| members[c as usize])).collect();
         let size = carried.iter().filter(|c| **c).count();
-        let overlap = |null: &Region| {
-            let both = null.elements.iter().filter(|e| carried[**e as usize]).count();
-            both as f64 / (size + null.elements.len() - both) as f64
+        let overlap = |null: &&[u32]| {
+            let both = null.iter().filter(|e| carried[**e as usize]).count();
+            both as f64 / (size + null.len() - both) as f64
         };
         best.push(null_regions.iter().map(overlap).fold(0.0, f64::max));
     }
@@ -49,30 +48,22 @@ mod tests {
         VoxelGrid::solid(frame, BitGrid::full(dims).unwrap()).unwrap()
     }
 
-    fn region(elements: std::ops::Range<u32>) -> Region {
-        Region {
-            parent: None,
-            tree: 0,
-            altitude: 0.0,
-            stability: 0.0,
-            volume: 0.0,
-            volume_fraction: 0.0,
-            elements: elements.collect(),
-            vertices: Vec::new(),
-            centroid: [0.0; 3],
-        }
+    fn region(voxels: std::ops::Range<u32>) -> Vec<u32> {
+        voxels.collect()
     }
 
     #[test]
     fn overlaps_worked_out_by_hand() {
         let twice: SpaceMap = Box::new(|p| p.map(|x| 2.0 * x));
         // Voxels 0 to 5 of ten became 0 to 5 of ten that are twice as large.
-        let found = [region(0..5), region(4..10)];
-        let overlaps = best_overlaps(&rod(10, 1.0), &[region(0..6)], &twice, &rod(10, 2.0), &found);
+        let (null, found) = (region(0..6), [region(0..5), region(4..10)]);
+        let found = [&found[0][..], &found[1]];
+        let overlaps = best_overlaps(&rod(10, 1.0), &[&null], &twice, &rod(10, 2.0), &found);
         assert_eq!(overlaps, [5.0 / 6.0, 2.0 / 10.0]);
         // Without the map the ten are over the first five of ten half as large, and half of them over none.
         let stay: SpaceMap = Box::new(|p| p);
-        let overlaps = best_overlaps(&rod(10, 1.0), &[region(0..4)], &stay, &rod(10, 0.5), &[region(0..10)]);
+        let overlaps =
+            best_overlaps(&rod(10, 1.0), &[&region(0..4)], &stay, &rod(10, 0.5), &[&region(0..10)]);
         assert_eq!(overlaps, [4.0 / 5.0]);
     }
 }

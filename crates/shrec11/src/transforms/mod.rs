@@ -72,7 +72,7 @@ pub enum Class {
     Isometry,
     /// Six regions of radius 0.15 D, in turn grown by up to 10 s % and shrunk by up to 8 s %.
     Localscale,
-    /// The triangles around 0.6 s % of the vertices removed.
+    /// The triangles around 2 s % of the vertices removed: with strength 5, nearly half of them.
     Microholes,
     /// Every vertex displaced along its normal, normally distributed with deviation 0.002 s D.
     Noise,
@@ -80,11 +80,11 @@ pub enum Class {
     Partial,
     /// Voxelized with a pitch of 0.0025 (s + 1) D, and polygonized again.
     Rasterize,
-    /// Decimated to 60, 40, 25, 15 and 8 % of the vertices.
+    /// Decimated to 60, 35, 20, 10 and 4 % of the vertices.
     Sampling,
     /// Scaled by 0.5, 0.875, 1.25, 1.625 and 2.
     Scaling,
-    /// 0.2 s % of the vertices displaced along their normals, in or out, by 0.01 D to 0.03 D.
+    /// 0.4 s % of the vertices displaced along their normals, in or out, by 0.01 D to 0.03 D.
     Shotnoise,
     /// 2 s tubes of radius 0.012 D between parts that face each other; where no parts do, tunnels
     /// through the solid.
@@ -179,12 +179,12 @@ pub fn transform(
         }
         Class::Holes => holes::holes(null, 2 * strength as usize, 0.04 * diagonal, random),
         Class::Isometry => return Err(ShrecError::PoseNeeded),
-        Class::Microholes => holes::microholes(null, 0.006 * s, random),
+        Class::Microholes => holes::microholes(null, 0.02 * s, random),
         Class::Noise => noise::noise(null, 0.002 * s * diagonal, random),
         Class::Partial => partial::partial(null, 1.0 - 0.08 * s, random),
         Class::Rasterize => rasterize::rasterize(null, 0.0025 * (s + 1.0) * diagonal),
-        Class::Sampling => decimate::sampling(null, [0.6, 0.4, 0.25, 0.15, 0.08][strength as usize - 1]),
-        Class::Shotnoise => noise::shotnoise(null, 0.002 * s, 0.02 * diagonal, random),
+        Class::Sampling => decimate::sampling(null, [0.6, 0.35, 0.2, 0.1, 0.04][strength as usize - 1]),
+        Class::Shotnoise => noise::shotnoise(null, 0.004 * s, 0.02 * diagonal, random),
         Class::Topology => topology::topology(null, 2 * strength as usize, 0.012 * diagonal, random),
         Class::View => partial::view(null, strength, seed),
     }?;
