@@ -40,8 +40,10 @@ fn a_mask_lies_where_the_mesh_does_and_is_its_solid() {
     let centroid = |report: &serde_json::Value| -> Vec<f64> {
         (0..3).map(|axis| report["regions"][0]["centroid"][axis].as_f64().unwrap()).collect()
     };
+    // Half a voxel: a mask does not keep the links that the surface cuts.
+    let near = said["spacing"][0].as_f64().unwrap() / 2.0;
     for (a, b) in centroid(&of_mask).into_iter().zip(centroid(&of_mesh)) {
-        assert!((a - b).abs() < 1e-4, "{a} {b}");
+        assert!((a - b).abs() < near, "{a} {b}");
     }
 }
 

@@ -32,6 +32,14 @@ pub enum Method {
 }
 
 /// What to do where solids overlap.
+///
+/// A voxel is in the solid once or not at all, so that a grid stays a mask with links and each voxel has one number.
+/// An immersed solid, in which a cell that two limbs cover stands twice, once in each (Li and Barbič, *Immersion of
+/// self-intersecting solids and surfaces*, 2018), would keep the volume that parting loses. It is left out for two
+/// reasons: which copies of neighbouring cells belong together is decided by following the surface's sheets around
+/// each curve of self-intersection, and a surface that is not the image of a solid (an open one, one that is
+/// turned over in part, most scans) has no consistent answer; and every reader of a grid would have to know that
+/// a place is no longer a voxel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Overlap {
     /// One connected surface that overlaps itself is limbs in contact: parted. Different bodies
