@@ -4,6 +4,8 @@
 //! The solves are our own: a row of a block is one vector register, so a supernode's columns become
 //! fused multiply-adds without gathering rows into a dense matrix first.
 
+use std::ops::RangeInclusive;
+
 use faer::Par;
 use faer::Side;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -20,6 +22,9 @@ use pulp::{Simd, WithSimd};
 use crate::SpectralError;
 use crate::standard::StandardProblem;
 use crate::tall::{LANES, Lanes};
+
+/// Factorizations spent on finding a shift.
+const TRIALS: usize = 6;
 
 /// The order of elimination and the pattern of L: the same for all shifts.
 pub(crate) struct Elimination<'a> {
@@ -45,6 +50,41 @@ impl<'a> Elimination<'a> {
     /// Entries of L: numbers that a factor holds.
     pub fn len(&self) -> usize {
         self.symbolic.len_val()
+    }
+
+    /// Looks for a shift with about `target` non-zero eigenvalues below it, a number in `near`.
+    pub fn search(&self, target: f64, near: RangeInclusive<f64>) -> Search<'_> {
+        let problem = self.problem;
+        // Weyl's law of a surface or a solid, to begin with; then the secant of the logarithms.
+        let pi = std::f64::consts::PI;
+        let mut exponent = 2.0 / f64::from(problem.dimension);
+        let constant = if problem.dimension == 2 { 4.0 * pi } else { 6.0 * pi * pi };
+        let mut sigma = problem.unit_eigenvalue * (constant * target).powf(exponent);
+        let (mut too_low, mut too_high) = (0.0, f64::INFINITY);
+        let mut before: Option<(f64, f64)> = None;
+        for _ in 0..TRIALS {
+            let Ok(factor) = self.factor(sigma) else { break };
+            let below = factor.negative_pivots().saturating_sub(problem.null_space.len());
+            if near.contains(&(below as f64)) {
+                return Search::Found { factor, sigma, below };
+            }
+            // Half an eigenvalue more, as the count may be 0.
+            let (count, shift) = ((below as f64 + 0.5).ln(), sigma.ln());
+            if let Some((old_count, old_shift)) = before.filter(|old| old.0 != count) {
+                exponent = ((shift - old_shift) / (count - old_count)).clamp(0.1, 3.0);
+            }
+            before = Some((count, shift));
+            if (below as f64) < target {
+                too_low = sigma
+            } else {
+                too_high = sigma
+            }
+            sigma = (shift + exponent * (target.ln() - count)).exp();
+            if sigma <= too_low || sigma >= too_high {
+                sigma = (too_low * too_high).sqrt();
+            }
+        }
+        Search::Failed { too_high }
     }
 
     /// Factors `A - sigma I`.
@@ -88,6 +128,17 @@ impl<'a> Elimination<'a> {
             Err(broken())
         }
     }
+}
+
+/// What the search for a shift came to.
+pub(crate) enum Search<'a> {
+    /// The shift, the factor there, and the non-zero eigenvalues below it.
+    Found { factor: Factor<'a>, sigma: f64, below: usize },
+    /// None, for instance where the number jumps at a multiple eigenvalue.
+    Failed {
+        /// The lowest shift tried with too many eigenvalues below it, or infinity.
+        too_high: f64,
+    },
 }
 
 /// `P^T L D L^T P = A - sigma I`; L has a unit diagonal, D is stored in its place.

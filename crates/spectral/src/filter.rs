@@ -6,6 +6,7 @@
 //! the spectrum of a coarser operator; it need not be exact, only above the wanted eigenvalues, and
 //! if it was too low the iteration says so by finding too few pairs below it and starts again.
 
+use std::f64::consts::PI;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -15,10 +16,11 @@ use rayon::prelude::*;
 
 use crate::chebyshev::{Polynomial, SlicedStencil};
 use crate::complete::{add_missed_copies, may_hide_copies};
+use crate::factor::{Elimination, Search};
 use crate::lanczos::Lanczos;
 use crate::shift_invert::rescale;
-use crate::solve::{attainable, coarse_eigenvalues};
-use crate::standard::NullSpace;
+use crate::solve::attainable;
+use crate::standard::{NullSpace, StandardProblem};
 use crate::tall::{LANES, Lanes, Tall};
 use crate::{SpectralError, SpectrumParameters};
 
@@ -115,15 +117,30 @@ pub(crate) fn filtered_eigenpairs(
         }
         let mut vectors = ritz.vectors;
         let (mut values, mut residuals) = rayleigh_quotients(&stencil, &vectors, wanted);
-        if falls_short(&values, &residuals, stencil.bound(), parameters.tolerance) {
+        let weak = |values: &[f64], residuals: &[f64]| -> Vec<usize> {
+            let short =
+                |&at: &usize| residuals[at] > attainable(parameters.tolerance, stencil.bound(), values[at]);
+            let mut blocks: Vec<usize> = (0..wanted).filter(short).map(|at| at / LANES).collect();
+            blocks.dedup();
+            blocks
+        };
+        let again = weak(&values, &residuals);
+        if !again.is_empty() {
             // Lanczos leaves the rounding errors of hundreds of columns in its vectors, tiny but rough, which
             // is much beside a small eigenvalue. Another application of p smooths them away.
-            filter.apply(&mut vectors, &report);
-            rescale(&mut vectors, &ritz.values);
-            applications += vectors.blocks().len() * LANES * filter.polynomial.degree;
+            let blocks = again.iter().map(|&at| std::mem::take(&mut vectors.blocks_mut()[at])).collect();
+            let theta = again.iter().flat_map(|&at| ritz.values.iter().skip(at * LANES).take(LANES).copied());
+            let mut some = Tall::from_blocks(n, blocks);
+            filter.apply(&mut some, &report);
+            rescale(&mut some, &theta.collect::<Vec<f64>>());
+            again
+                .iter()
+                .zip(some.blocks_mut())
+                .for_each(|(&at, block)| vectors.blocks_mut()[at] = std::mem::take(block));
+            applications += again.len() * LANES * filter.polynomial.degree;
             (values, residuals) = rayleigh_quotients(&stencil, &vectors, wanted);
         }
-        if margin > 1e-4 && falls_short(&values, &residuals, stencil.bound(), parameters.tolerance) {
+        if margin > 1e-4 && !weak(&values, &residuals).is_empty() {
             margin *= 1e-2;
             continue;
         }
@@ -159,20 +176,28 @@ pub(crate) fn filtered_eigenpairs(
     }
 }
 
-fn falls_short(values: &[f64], residuals: &[f64], bound: f64, tolerance: f64) -> bool {
-    values.iter().zip(residuals).any(|(&value, &r)| r > attainable(tolerance, bound, value))
-}
-
-/// The `GUARD * wanted`-th eigenvalue of a coarser operator, corrected for its dispersion: a wave of
-/// length h / w has 4 sin^2(w h / 2) / h^2 instead of w^2.
+/// A value with about `GUARD * wanted` eigenvalues of a coarser operator below it, corrected for that one's
+/// dispersion: a wave of length h / w has 4 sin^2(w h / 2) / h^2 instead of w^2.
 fn first_cutoff(grid: &VoxelGrid, wanted: usize) -> Result<f64, SpectralError> {
     let factor = coarse_factor(grid.len(), wanted).unwrap_or(2);
-    let coarse = aggregate_grid(grid, factor);
-    let values = coarse_eigenvalues(&coarse.operator, (GUARD * wanted as f64) as usize + 8)?;
-    let highest = values.last().copied().unwrap_or(f64::INFINITY);
+    let coarse = StandardProblem::new(&aggregate_grid(grid, factor).operator);
+    let target = GUARD * wanted as f64 + 4.0;
+    let elimination = Elimination::new(&coarse)?;
+    // Weyl's law as the last resort: a solid has more eigenvalues below it.
+    let weyl = coarse.unit_eigenvalue * (6.0 * PI * PI * target).powf(2.0 / 3.0);
+    let cutoff = match elimination.search(target, 0.93 * target..=1.12 * target + 1.0) {
+        Search::Found { sigma, .. } => sigma,
+        Search::Failed { too_high } => {
+            if too_high.is_finite() {
+                too_high
+            } else {
+                weyl
+            }
+        }
+    };
     let cell = f64::from(factor) * grid.frame().spacing().iter().copied().fold(0.0, f64::max);
-    let half_phase = (highest.sqrt() * cell / 2.0).min(1.0).asin();
-    Ok((2.0 * half_phase / cell).powi(2).max(highest))
+    let half_phase = (cutoff.sqrt() * cell / 2.0).min(1.0).asin();
+    Ok((2.0 * half_phase / cell).powi(2).max(cutoff))
 }
 
 /// The polynomial of the stencil, as an operator for Lanczos.

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use crate::SpectralError;
 use crate::complete::add_missed_copies;
-use crate::factor::{Elimination, Factor};
+use crate::factor::{Elimination, Factor, Search};
 use crate::lanczos::{Lanczos, RitzPairs};
 use crate::solve::{attainable, orthogonality, residuals};
 use crate::standard::{NullSpace, StandardProblem};
@@ -29,8 +29,6 @@ const SHARE: f64 = 0.55;
 const SHARES: std::ops::RangeInclusive<f64> = 0.4..=0.66;
 /// Eigenvalues nearest to the shift make a norm of thousands of times the smallest Ritz values.
 const OVERLAP: f64 = 1e-11;
-/// Factorizations spent on finding a shift.
-const TRIALS: usize = 4;
 
 /// What to find.
 pub(crate) struct Task {
@@ -75,7 +73,7 @@ pub(crate) fn inverse_eigenpairs(
     task: &Task,
     progress: &dyn Fn(usize) -> bool,
 ) -> Result<Pairs, SpectralError> {
-    if let Some(inverse) = Inverse::among_wanted(problem, elimination, task.wanted) {
+    if let Some(inverse) = Inverse::among_wanted(elimination, task.wanted) {
         // Where it is slow, something is wrong with it.
         let task = Task { max_restarts: task.max_restarts.min(3), ..*task };
         let pairs = inverse.eigenpairs(problem, &task, progress)?;
@@ -86,30 +84,6 @@ pub(crate) fn inverse_eigenpairs(
         }
     }
     Inverse::below_all(problem, elimination)?.eigenpairs(problem, task, progress)
-}
-
-/// The `count` smallest non-zero eigenvalues to about one percent.
-pub(crate) fn rough_eigenvalues(problem: &StandardProblem, count: usize) -> Result<Vec<f64>, SpectralError> {
-    let elimination = Elimination::new(problem)?;
-    let inverse = Inverse::below_all(problem, &elimination)?;
-    let lanczos = Lanczos {
-        rows: problem.len(),
-        wanted: count,
-        negative: 0,
-        block: BLOCK,
-        capacity: rough_columns(count),
-        check_from: 5 * count / 4,
-        overlap: OVERLAP,
-        max_restarts: 0,
-        null_space: &problem.null_space,
-    };
-    let found = lanczos.run(|x| inverse.apply(x), |theta, residual| residual <= 1e-2 * theta, |_| true)?;
-    Ok(found.values.iter().map(|&theta| inverse.eigenvalue(theta)).collect())
-}
-
-/// Columns of the basis of [`rough_eigenvalues`].
-pub(crate) fn rough_columns(count: usize) -> usize {
-    (3 * count / 2 + 64) / BLOCK * BLOCK
 }
 
 /// The inverse at a shift.
@@ -123,36 +97,16 @@ struct Inverse<'a> {
 impl<'a> Inverse<'a> {
     /// At a shift with about the right share of the wanted eigenvalues below it; `None` if there is none, or
     /// if it isn't worth it.
-    fn among_wanted(
-        problem: &StandardProblem,
-        elimination: &'a Elimination<'_>,
-        wanted: usize,
-    ) -> Option<Self> {
+    fn among_wanted(elimination: &'a Elimination<'_>, wanted: usize) -> Option<Self> {
         if wanted < MANY {
             return None;
         }
-        let zeros = problem.null_space.len();
-        // Weyl's law of a surface or a solid, to begin with.
-        let (target, pi) = (SHARE * wanted as f64, std::f64::consts::PI);
-        let mut exponent = 2.0 / f64::from(problem.dimension);
-        let constant = if problem.dimension == 2 { 4.0 * pi } else { 6.0 * pi * pi };
-        let mut sigma = problem.unit_eigenvalue * (constant * target).powf(exponent);
-        let mut before: Option<(f64, f64)> = None;
-        for _ in 0..TRIALS {
-            let factor = elimination.factor(sigma).ok()?;
-            let below = factor.negative_pivots().saturating_sub(zeros);
-            if SHARES.contains(&(below as f64 / wanted as f64)) {
-                return Some(Self { factor, sigma, below });
-            }
-            // Half an eigenvalue more, as the count may be 0.
-            let (count, shift) = ((below as f64 + 0.5).ln(), sigma.ln());
-            if let Some((old_count, old_shift)) = before.filter(|old| old.0 != count) {
-                exponent = ((shift - old_shift) / (count - old_count)).clamp(0.1, 3.0);
-            }
-            before = Some((count, shift));
-            sigma = (shift + exponent * (target.ln() - count)).exp();
+        let wanted = wanted as f64;
+        let near = SHARES.start() * wanted..=SHARES.end() * wanted;
+        match elimination.search(SHARE * wanted, near) {
+            Search::Found { factor, sigma, below } => Some(Self { factor, sigma, below }),
+            Search::Failed { .. } => None,
         }
-        None
     }
 
     /// At a shift below the spectrum: well below the wanted eigenvalues (33 k^(2/3) V^(-2/3) by Weyl's law), but

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use crate::factor::Elimination;
 use crate::filter::{basis_columns, coarse_factor, filtered_eigenpairs};
 use crate::parts::{members, merge};
-use crate::shift_invert::{self, Pairs, Task, inverse_eigenpairs, rough_columns, rough_eigenvalues};
+use crate::shift_invert::{self, Pairs, Task, inverse_eigenpairs};
 use crate::standard::{StandardProblem, dense_eigenpairs};
 use crate::tall::{LANES, Tall};
 use crate::{Eigensolver, SpectralError, Spectrum, SpectrumParameters, SpectrumReport};
@@ -161,20 +161,6 @@ fn ascending(values: &[f64]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
     order
-}
-
-/// The smallest non-zero eigenvalues of a coarse operator, roughly.
-pub(crate) fn coarse_eigenvalues(operator: &Operator, wanted: usize) -> Result<Vec<f64>, SpectralError> {
-    let problem = StandardProblem::new(operator);
-    let rows = problem.len() - problem.null_space.len();
-    let wanted = wanted.min(rows);
-    let mut values = if problem.len() <= DENSE_ROWS || rough_columns(wanted) + 2 * LANES > rows {
-        dense_eigenpairs(&problem)?.0
-    } else {
-        rough_eigenvalues(&problem, wanted)?
-    };
-    values.truncate(wanted);
-    Ok(values)
 }
 
 /// Makes the eigenbasis of the pairs if they will do.
