@@ -48,7 +48,7 @@ pub fn read(path: &Path) -> TriangleMesh {
 pub fn coarse(voxels: usize, eigenpairs: usize) -> Parameters {
     let mut parameters = Parameters::default();
     parameters.voxelize.pitch = Pitch::Voxels(voxels);
-    parameters.spectrum.eigenpairs = eigenpairs;
+    parameters.spectrum.eigenpairs = eigenpairs.into();
     parameters
 }
 

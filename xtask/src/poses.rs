@@ -74,7 +74,7 @@ fn score_detectors(
     let transfer = Transfer::identity(null.mesh().vertices().len());
     let solve = |mesh: &TriangleMesh, pitch| {
         let voxelize = VoxelizeParameters { pitch, cut_links, ..Default::default() };
-        let spectrum = SpectrumParameters { eigenpairs: arguments.eigenpairs, ..Default::default() };
+        let spectrum = SpectrumParameters { eigenpairs: arguments.eigenpairs.into(), ..Default::default() };
         Solved::volume(mesh, &voxelize, &spectrum)
     };
     let rest = solve(null.mesh(), Pitch::Voxels(arguments.voxels))?;

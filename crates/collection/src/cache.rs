@@ -1,7 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use mser3d::shape::Eigenbasis;
-use mser3d::spectral::{Eigensolver, Spectrum, SpectrumParameters, SpectrumReport};
+use mser3d::spectral::{Eigensolver, Extent, Spectrum, SpectrumParameters, SpectrumReport};
 use mser3d::{Body, Domain, Graph, ProgressFn};
 use mser3d_meshio::{MeshIoError, NpyArray, NpyValues, read_npz, write_npz};
 use sha2::{Digest, Sha256};
@@ -80,7 +80,10 @@ fn key(body: &Body, parameters: &SpectrumParameters) -> Vec<u8> {
     let mut hash = Sha256::new();
     hash.update(GENERATION);
     let mut integer = |x: u64| hash.update(x.to_le_bytes());
-    integer(parameters.eigenpairs as u64);
+    match parameters.eigenpairs {
+        Extent::Count(count) => integer(count as u64),
+        Extent::Below(bound) => [u64::MAX, bound.to_bits()].into_iter().for_each(&mut integer),
+    }
     integer(parameters.tolerance.to_bits());
     integer(parameters.max_iterations as u64);
     integer(match parameters.solver {
@@ -180,7 +183,7 @@ mod tests {
     }
 
     fn parameters() -> SpectrumParameters {
-        SpectrumParameters { eigenpairs: 8, ..Default::default() }
+        SpectrumParameters { eigenpairs: 8.into(), ..Default::default() }
     }
 
     fn bits(spectrum: &Spectrum) -> Vec<u64> {
@@ -218,7 +221,8 @@ mod tests {
         let cut = grid(&bar(20)).with_cut_links(0, &[[1, 1, 1]]).0;
         let bodies = [bar(20), bar(21), Body::solid(cut, Connectivity::Six)];
         let other = [
-            SpectrumParameters { eigenpairs: 9, ..parameters() },
+            SpectrumParameters { eigenpairs: 9.into(), ..parameters() },
+            SpectrumParameters { eigenpairs: Extent::Below(9.0), ..parameters() },
             SpectrumParameters { tolerance: 1e-8, ..parameters() },
             SpectrumParameters { solver: Eigensolver::ShiftInvert, ..parameters() },
         ];

@@ -55,7 +55,7 @@
 //!         let features = features.map_err(|e| e.to_string())?;
 //!         let mut results =
 //!             Results::new(&features, Some(&mesh), &job.name).map_err(|e| e.to_string())?;
-//!         let spectrum = json!({"eigenpairs": self.0.spectrum.eigenpairs});
+//!         let spectrum = json!({"eigenpairs": features.basis.eigenvalues().len()});
 //!         let parameters = json!({"spectrum": spectrum, "descriptor": {"kind": "si-hks"}});
 //!         results.record.more.insert("parameters".into(), parameters);
 //!         results.write(folder).map_err(|e| e.to_string())
@@ -64,7 +64,7 @@
 //!
 //! let mut parameters = Parameters::default();
 //! parameters.voxelize.pitch = mser3d::voxelize::Pitch::Voxels(2500);
-//! parameters.spectrum.eigenpairs = 30;
+//! parameters.spectrum.eigenpairs = 30.into();
 //! let job = |name: &str, time| Job { name: name.into(), path: name.into(), animation: None, time };
 //! let jobs = vec![job("long", 1.0), job("short", 0.0)];
 //! # let folder = std::env::temp_dir().join(format!("mser3d-collection-{}", std::process::id()));

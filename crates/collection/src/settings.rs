@@ -14,7 +14,7 @@ use crate::CollectionError;
 pub struct DescriptorSettings {
     /// Volume or surface.
     pub domain: String,
-    /// Eigenpairs that were used.
+    /// Eigenpairs that were used; 0 where a bound of the eigenvalues, among the descriptor's parameters, decides.
     pub eigenpairs: u64,
     /// Kind and parameters of the descriptor, as in `regions.json`.
     pub descriptor: Map<String, Value>,
@@ -38,6 +38,11 @@ impl DescriptorSettings {
             let what = "regions.json does not tell how the descriptors were made".to_owned();
             return Err(CollectionError::Incomplete { folder: folder.to_owned(), what });
         };
+        let (mut eigenpairs, mut descriptor) = (eigenpairs, descriptor.clone());
+        if let Some(bound) = parameters["spectrum"].get("lambda_max").filter(|bound| !bound.is_null()) {
+            eigenpairs = 0;
+            descriptor.insert("lambda_max".to_owned(), bound.clone());
+        }
         // Of a shape without regions the own measure is not known, nor is it needed.
         let own = record.regions.first().map_or(0.0, |r| r.volume / r.volume_fraction);
         let reference = parameters["reference_measure"].as_f64();
@@ -48,7 +53,7 @@ impl DescriptorSettings {
             }
             .to_owned(),
             eigenpairs,
-            descriptor: descriptor.clone(),
+            descriptor,
             measure: reference.unwrap_or(own),
             own_measure: reference.is_none(),
         })

@@ -129,7 +129,8 @@ impl Work for Detection<'_> {
         let input = Input::read(&args).map_err(|e| e.to_string())?;
         let identity = identity(&input, &args, self.options.domain(), self.parameters);
         let elements = elements(&input, self.options.domain(), self.parameters.voxelize.pitch);
-        let memory = estimate(elements, self.parameters.spectrum.eigenpairs).memory;
+        let eigenpairs = self.parameters.spectrum.eigenpairs.about(self.options.domain());
+        let memory = estimate(elements, eigenpairs).memory;
         Ok(Ready { input, identity, memory })
     }
 

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 use mser3d::shape::{Frame, TriangleMesh, VoxelGrid};
-use mser3d::spectral::SpectrumParameters;
+use mser3d::spectral::{Extent, SpectrumParameters};
 use mser3d::{Body, Domain, Features, Parameters, ProgressFn, SpectrumFn, detect_on_using, detect_using};
 use mser3d_collection::{CacheUse, SpectrumCache};
 
@@ -75,15 +75,15 @@ pub fn detect_into(
     let folder = OutputFolder::create(path)?;
     let notes = RefCell::new(Vec::from_iter(subject.warning()));
     let spectrum = |body: &Body, parameters: &SpectrumParameters, progress: ProgressFn| {
-        let parameters = match options.eigenpairs {
-            None if parameters.eigenpairs > body.len() => {
+        let parameters = match (options.eigenpairs, parameters.eigenpairs) {
+            (None, Extent::Count(count)) if count > body.len() => {
                 notes.borrow_mut().push(format!(
                     "there are only {0} eigenpairs in so small a shape, not {1}; its descriptors compare only \
                      with those of shapes with --eigenpairs {0}",
                     body.len(),
-                    parameters.eigenpairs
+                    count
                 ));
-                SpectrumParameters { eigenpairs: body.len(), ..parameters.clone() }
+                SpectrumParameters { eigenpairs: body.len().into(), ..parameters.clone() }
             }
             _ => parameters.clone(),
         };

@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use mser3d::comptree::{AltitudeScale, Mode, Polarity};
 use mser3d::descriptors::{HksParameters, TimeScale};
 use mser3d::shape::Domain;
-use mser3d::spectral::Eigensolver;
+use mser3d::spectral::{Eigensolver, Extent};
 use mser3d::{Descriptor, Parameters, Weight};
 
 use crate::error::CliError;
@@ -52,6 +52,9 @@ pub struct RegionOptions {
     /// Smallest eigenpairs of the Laplacian [default: 100, or as many as a small shape has]
     #[arg(long, value_name = "K", value_parser = count, help_heading = "Spectrum")]
     pub eigenpairs: Option<usize>,
+    /// All eigenpairs with lambda V^(2/3) below this (lambda A with --surface): the same scales on any shape
+    #[arg(long, value_name = "X", conflicts_with = "eigenpairs", help_heading = "Spectrum")]
+    pub lambda_max: Option<f64>,
     /// Largest relative residual of an eigenpair
     #[arg(long, value_name = "R", default_value = "1e-9", help_heading = "Spectrum")]
     pub tolerance: f64,
@@ -178,7 +181,11 @@ impl RegionOptions {
     /// The library's parameters; values out of range are wrong use.
     pub fn parameters(&self) -> Result<Parameters, CliError> {
         let mut p = Parameters { voxelize: self.voxels.parameters()?, ..Parameters::default() };
-        p.spectrum.eigenpairs = self.eigenpairs.unwrap_or(p.spectrum.eigenpairs);
+        p.spectrum.eigenpairs = match (self.eigenpairs, self.lambda_max) {
+            (Some(count), _) => Extent::Count(count),
+            (None, Some(bound)) => Extent::Below(bound),
+            (None, None) => p.spectrum.eigenpairs,
+        };
         p.spectrum.tolerance = self.tolerance;
         p.spectrum.solver = match self.solver {
             SolverArg::Auto => Eigensolver::Auto,

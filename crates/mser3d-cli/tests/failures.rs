@@ -98,6 +98,34 @@ fn a_small_shape_has_fewer_eigenpairs_than_is_usual() {
 }
 
 #[test]
+fn a_bound_of_the_eigenvalues_serves_shapes_of_any_size() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let found: Vec<_> = [("small", [12, 8, 8]), ("large", [30, 20, 20])]
+        .map(|(name, size)| {
+            let input = path(&format!("{name}.npy"));
+            fs::write(&input, npy(size, |_, _, _| true)).unwrap();
+            let output = detect(&input, &path(name), "--lambda-max 90");
+            assert!(output.status.success(), "{output:?}");
+            let report = json(&path(name).join("regions.json"));
+            assert_eq!(report["parameters"]["spectrum"]["lambda_max"], 90.0);
+            report["spectrum"]["eigenpairs"].as_u64().unwrap()
+        })
+        .into();
+    // A box of a by b by b has pi^2 (i^2 / a^2 + (j^2 + k^2) / b^2), whatever its size.
+    let side = (1.5f64).cbrt();
+    let box_of = |i: u32, j: u32, k: u32| {
+        let (i, rest) = (f64::from(i) / 1.5, f64::from(j * j + k * k));
+        std::f64::consts::PI.powi(2) * (i * i + rest) * side * side
+    };
+    let numbers = (0..9).flat_map(|i| (0..9).flat_map(move |j| (0..9).map(move |k| (i, j, k))));
+    let expected = numbers.filter(|&(i, j, k)| box_of(i, j, k) < 90.0).count();
+    assert!(found.iter().all(|&count| count.abs_diff(expected as u64) <= 2), "{found:?} {expected}");
+    let output = mser3d(["match".as_ref(), path("small").as_os_str(), path("large").as_os_str()]);
+    assert!(output.status.success(), "{output:?}");
+}
+
+#[test]
 fn wrong_use_exits_with_2_and_names_the_option() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
@@ -109,6 +137,8 @@ fn wrong_use_exits_with_2_and_names_the_option() {
         ("--pitch nan", &["--pitch", "positive"]),
         ("--eigenpairs 0", &["--eigenpairs", "at least 1"]),
         ("--eigenpairs ten", &["--eigenpairs", "whole number"]),
+        ("--eigenpairs 9 --lambda-max 9", &["--eigenpairs", "--lambda-max"]),
+        ("--lambda-max 0", &["eigenvalues", "above 0"]),
         ("--tolerance 0", &["tolerance", "above 0"]),
         ("--time-scale 0.5,-1", &["--time-scale", "positive"]),
         ("--time-scale 1 --absolute-time 1", &["--time-scale", "--absolute-time"]),

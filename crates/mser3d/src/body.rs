@@ -1,6 +1,8 @@
 use mser3d_laplace::cotangent_laplacian;
 use mser3d_shape::{Connectivity, Domain, TriangleMesh, VoxelGrid};
-use mser3d_spectral::{Spectrum, SpectrumParameters, smallest_eigenpairs, smallest_eigenpairs_of_grid};
+use mser3d_spectral::{
+    Extent, Spectrum, SpectrumParameters, smallest_eigenpairs, smallest_eigenpairs_of_grid,
+};
 use mser3d_voxelize::{Voxelization, VoxelizeParameters, voxelize};
 
 use crate::Error;
@@ -122,8 +124,14 @@ impl Body {
         if length > 0.0 && !(1e-20..=1e20).contains(&length) {
             return Err(Error::Scale { length });
         }
-        let total = parameters.eigenpairs;
-        let report = |done: usize| progress(Progress { stage: Stage::Spectrum, done, total });
+        let report = |done: usize| {
+            let total = match parameters.eigenpairs {
+                Extent::Count(total) => total,
+                // How many there are is known when all are.
+                _ => done,
+            };
+            progress(Progress { stage: Stage::Spectrum, done, total })
+        };
         let spectrum = match &self.graph {
             Graph::Voxels { grid, .. } => smallest_eigenpairs_of_grid(grid, parameters, &report),
             Graph::Surface { mesh, .. } => {

@@ -27,7 +27,7 @@
 //! let mesh = TriangleMesh::new(vertices, triangles)?;
 //! let mut parameters = Parameters::default();
 //! parameters.voxelize.pitch = Pitch::Voxels(4000);
-//! parameters.spectrum.eigenpairs = 40;
+//! parameters.spectrum.eigenpairs = 40.into();
 //! let features = detect(&mesh, Domain::Volume, &parameters, &mser3d::no_progress)?;
 //! // The handle is a region: it is thin, so heat stays in it.
 //! assert!(features.regions.iter().any(|region| region.centroid[2] > 5.0));

@@ -36,7 +36,7 @@
 //! # let mesh = TriangleMesh::new(corners, triangles)?;
 //! # let mut parameters = Parameters::default();
 //! # parameters.voxelize.pitch = mser3d::voxelize::Pitch::Voxels(1500);
-//! # parameters.spectrum.eigenpairs = 20;
+//! # parameters.spectrum.eigenpairs = 20.into();
 //! # let folder = std::env::temp_dir().join(format!("mser3d-results-{}", std::process::id()));
 //! let features = detect(&mesh, Domain::Volume, &parameters, &mser3d::no_progress)?;
 //! let results = Results::new(&features, Some(&mesh), "bar.off")?;

@@ -42,7 +42,7 @@ fn dumbbell() -> TriangleMesh {
 fn parameters() -> Parameters {
     let mut parameters = Parameters::default();
     parameters.voxelize.pitch = Pitch::Voxels(3000);
-    parameters.spectrum.eigenpairs = 30;
+    parameters.spectrum.eigenpairs = 30.into();
     parameters
 }
 

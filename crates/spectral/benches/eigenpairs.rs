@@ -36,7 +36,7 @@ fn sheet(n: usize) -> TriangleMesh {
 }
 
 fn parameters(eigenpairs: usize, solver: Eigensolver) -> SpectrumParameters {
-    SpectrumParameters { eigenpairs, solver, ..Default::default() }
+    SpectrumParameters { eigenpairs: eigenpairs.into(), solver, ..Default::default() }
 }
 
 fn grids(c: &mut Criterion) {

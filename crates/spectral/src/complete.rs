@@ -8,20 +8,22 @@
 use crate::SpectralError;
 use crate::tall::Tall;
 
-/// Eigenvalues within this relative distance count as copies: such neighbours are told apart late.
-const TOGETHER: f64 = 1e-3;
+/// Eigenvalues within this relative distance count as copies. Those farther apart are told apart by the time
+/// that they have converged.
+const TOGETHER: f64 = 1e-8;
 
 /// Adds to the smallest eigenpairs, `values.len()` of them in any order, the copies that an iteration with
-/// `block` columns cannot have seen. `search(known)` finds the `block` smallest pairs orthogonal to those known.
+/// `block` columns cannot have seen. `search(known, last)` finds the `block` smallest pairs
+/// orthogonal to those known; those above `last` may be inexact.
 pub(crate) fn add_missed_copies(
     mut values: Vec<f64>,
     mut vectors: Tall,
     block: usize,
-    mut search: impl FnMut(&Tall) -> Result<(Vec<f64>, Tall), SpectralError>,
+    mut search: impl FnMut(&Tall, f64) -> Result<(Vec<f64>, Tall), SpectralError>,
 ) -> Result<(Vec<f64>, Tall), SpectralError> {
     while may_hide_copies(&values, block) {
-        let (others, other_vectors) = search(&vectors)?;
         let last = values.iter().copied().fold(0.0, f64::max);
+        let (others, other_vectors) = search(&vectors, last)?;
         let missed = others.iter().filter(|&&value| value < last * (1.0 - 1e-9)).count();
         if missed == 0 {
             break;
@@ -58,7 +60,7 @@ mod tests {
 
     #[test]
     fn only_a_full_block_of_copies_raises_doubt() {
-        let values = [3.0, 1.0, 2.0, 2.0, 2.0001];
+        let values = [3.0, 1.0, 2.0, 2.0, 2.000_000_01];
         assert!(may_hide_copies(&values, 3));
         assert!(!may_hide_copies(&values, 4));
         assert!(!may_hide_copies(&values[..2], 3));

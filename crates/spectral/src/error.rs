@@ -24,12 +24,12 @@ pub enum SpectralError {
     },
     /// The work would not fit into memory.
     #[error(
-        "{pairs} eigenpairs of {rows} rows need about {needed_mb} MB, more than the limit of {limit_mb} MB; \
+        "{work} of {rows} rows need about {needed_mb} MB, more than the limit of {limit_mb} MB; \
          ask for fewer eigenpairs, use a coarser grid or raise the memory limit"
     )]
     TooMuchMemory {
-        /// Eigenpairs asked for.
-        pairs: usize,
+        /// What would take so much: "100 eigenpairs".
+        work: String,
         /// Rows of the operator.
         rows: usize,
         /// Estimate, in units of 10^6 bytes.

@@ -15,7 +15,6 @@ use mser3d_shape::VoxelGrid;
 use rayon::prelude::*;
 
 use crate::chebyshev::{Polynomial, SlicedStencil};
-use crate::complete::{add_missed_copies, may_hide_copies};
 use crate::factor::{Elimination, Search};
 use crate::lanczos::Lanczos;
 use crate::shift_invert::rescale;
@@ -68,17 +67,18 @@ pub(crate) fn coarse_factor(voxels: usize, wanted: usize) -> Option<u32> {
     (factor >= 2).then_some(factor)
 }
 
-/// The smallest `wanted` non-zero eigenpairs of the grid, `parameters.eigenpairs` in all.
+/// The smallest `wanted` non-zero eigenpairs of the grid, `pairs` in all.
 pub(crate) fn filtered_eigenpairs(
     grid: &VoxelGrid,
+    pairs: usize,
     parameters: &SpectrumParameters,
     progress: &(dyn Fn(usize) -> ControlFlow<()> + Sync),
 ) -> Result<Filtered, SpectralError> {
     let stencil = SlicedStencil::new(grid);
     let n = stencil.len();
     let null_space = NullSpace::new(&stencil.labels(), &vec![grid.frame().voxel_volume().sqrt(); n]);
-    let zeros = null_space.len().min(parameters.eigenpairs);
-    let wanted = parameters.eigenpairs - zeros;
+    let zeros = null_space.len().min(pairs);
+    let wanted = pairs - zeros;
     let capacity = basis_columns(wanted).min((n - null_space.len()) / BLOCK * BLOCK);
     let lanczos = Lanczos {
         rows: n,
@@ -143,25 +143,6 @@ pub(crate) fn filtered_eigenpairs(
         if margin > 1e-4 && !weak(&values, &residuals).is_empty() {
             margin *= 1e-2;
             continue;
-        }
-        if may_hide_copies(&values, BLOCK) {
-            let last = values.iter().copied().fold(0.0, f64::max);
-            let accept = |theta: f64, residual: f64| {
-                filter.eigenvalue(theta + residual) > last || accept(theta, residual)
-            };
-            let search = |known: &Tall| {
-                let null_space = null_space.and(known);
-                let capacity = basis_columns(BLOCK);
-                let lanczos =
-                    Lanczos { wanted: BLOCK, capacity, check_from: 0, null_space: &null_space, ..lanczos };
-                let found = lanczos.run(|x| filter.apply(x, &report), accept, report)?;
-                applications += found.applications * filter.polynomial.degree;
-                restarts += found.restarts;
-                let values = rayleigh_quotients(&stencil, &found.vectors, BLOCK).0;
-                Ok((values, found.vectors))
-            };
-            vectors = add_missed_copies(values, vectors, BLOCK, search)?.1;
-            (values, residuals) = rayleigh_quotients(&stencil, &vectors, wanted);
         }
         return Ok(Filtered {
             values,

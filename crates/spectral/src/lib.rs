@@ -12,8 +12,9 @@
 //! instead: [`SpectrumReport::residual`] tells. Zero modes are exactly constant on each component, one for
 //! each. The same input gives the same bits on any number of threads.
 //!
-//! Disconnected bodies are solved one by one, so equal bodies cost no eigenvalue. Limit: a block of 16
-//! vectors sees 16 copies of a multiple eigenvalue of one body; a cube's have up to 6.
+//! No copy of a multiple eigenvalue is missed: disconnected bodies are solved one by one, and where as many
+//! eigenvalues lie together as a block has columns, the iteration is repeated orthogonally to what was found.
+//! [`count_below`] tells by a factorization how many eigenvalues lie below a bound.
 //!
 //! ```
 //! use std::ops::ControlFlow;
@@ -23,7 +24,7 @@
 //!
 //! let frame = Frame::new([20, 4, 3], [0.0; 3], [1.0; 3])?;
 //! let rod = VoxelGrid::solid(frame, BitGrid::full(frame.dims())?)?;
-//! let parameters = SpectrumParameters { eigenpairs: 5, ..Default::default() };
+//! let parameters = SpectrumParameters { eigenpairs: 5.into(), ..Default::default() };
 //! let spectrum =
 //!     smallest_eigenpairs(&grid_laplacian(&rod), &parameters, &|_| ControlFlow::Continue(()))?;
 //! // A box's Neumann spectrum: 2 - 2 cos(pi i / n) along each axis.
@@ -35,7 +36,9 @@
 mod basis;
 mod chebyshev;
 mod complete;
+mod count;
 mod error;
+mod extent;
 mod factor;
 mod filter;
 mod lanczos;
@@ -46,6 +49,7 @@ mod solve;
 mod standard;
 mod tall;
 
+pub use count::count_below;
 pub use error::SpectralError;
-pub use parameters::{Eigensolver, Spectrum, SpectrumParameters, SpectrumReport};
+pub use parameters::{Eigensolver, Extent, Spectrum, SpectrumParameters, SpectrumReport};
 pub use solve::{smallest_eigenpairs, smallest_eigenpairs_of_grid};

@@ -1,4 +1,4 @@
-use mser3d_shape::Eigenbasis;
+use mser3d_shape::{Domain, Eigenbasis};
 
 use crate::SpectralError;
 
@@ -16,11 +16,40 @@ pub enum Eigensolver {
     Filter,
 }
 
+/// Which of the eigenpairs, from the smallest on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Extent {
+    /// So many, zero modes included.
+    Count(usize),
+    /// All with `lambda V^(2/3)` below this, `lambda A` on a surface: bodies of any size then have spectra
+    /// that end at the same scale. A body in one piece has about `x^(3/2) / (6 pi^2)` of them below x, and more
+    /// by its surface; a surface `x / (4 pi)` (Weyl's law).
+    Below(f64),
+}
+
+impl Extent {
+    /// About how many these are, by Weyl's law; bodies with much surface have more.
+    pub fn about(self, domain: Domain) -> usize {
+        use std::f64::consts::PI;
+        match (self, domain) {
+            (Self::Count(count), _) => count,
+            (Self::Below(bound), Domain::Volume) => (bound.powf(1.5) / (6.0 * PI * PI)) as usize + 1,
+            (Self::Below(bound), Domain::Surface) => (bound / (4.0 * PI)) as usize + 1,
+        }
+    }
+}
+
+impl From<usize> for Extent {
+    fn from(count: usize) -> Self {
+        Self::Count(count)
+    }
+}
+
 /// What to compute and how exactly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpectrumParameters {
-    /// How many of the smallest eigenpairs, zero modes included. Default 100.
-    pub eigenpairs: usize,
+    /// Which eigenpairs. Default: the 100 smallest.
+    pub eigenpairs: Extent,
     /// Largest relative residual |W phi - lambda M phi| / (lambda |phi|), in the norms of M^-1 and M.
     /// Default 1e-9.
     pub tolerance: f64,
@@ -35,7 +64,7 @@ pub struct SpectrumParameters {
 impl Default for SpectrumParameters {
     fn default() -> Self {
         Self {
-            eigenpairs: 100,
+            eigenpairs: Extent::Count(100),
             tolerance: 1e-9,
             solver: Eigensolver::Auto,
             max_iterations: 60,
@@ -51,8 +80,12 @@ impl SpectrumParameters {
     /// [`SpectralError::BadParameter`] for the first field that is out of range.
     pub fn validate(&self) -> Result<(), SpectralError> {
         let bad = |name, value: String, expected| Err(SpectralError::BadParameter { name, value, expected });
-        if self.eigenpairs == 0 {
-            return bad("eigenpairs", "0".into(), "at least 1");
+        match self.eigenpairs {
+            Extent::Count(0) => return bad("eigenpairs", "0".into(), "at least 1"),
+            Extent::Below(bound) if !(bound > 0.0 && bound.is_finite()) => {
+                return bad("the bound of the eigenvalues", bound.to_string(), "above 0");
+            }
+            _ => {}
         }
         if !(self.tolerance > 0.0 && self.tolerance <= 1e-2) {
             return bad("tolerance", self.tolerance.to_string(), "above 0 and at most 0.01");

@@ -142,9 +142,8 @@ impl<'a> Inverse<'a> {
     ) -> Result<Pairs, SpectralError> {
         let found = self.iterate(&problem.null_space, task, self.below, f64::INFINITY, progress)?;
         let (mut restarts, mut applications) = (found.restarts, found.applications);
-        let last = found.values.last().copied().unwrap_or(0.0);
         let below = found.values.iter().filter(|&&value| value < self.sigma).count();
-        let (values, vectors) = add_missed_copies(found.values, found.vectors, BLOCK, |known| {
+        let (values, vectors) = add_missed_copies(found.values, found.vectors, BLOCK, |known, last| {
             let rest = problem.len() - problem.null_space.len() - known.blocks().len() * LANES;
             let task = Task { wanted: BLOCK.min(rest), ..*task };
             let left = self.below.saturating_sub(below).min(task.wanted);

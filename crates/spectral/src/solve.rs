@@ -2,17 +2,20 @@
 
 use std::ops::ControlFlow;
 
-use mser3d_laplace::{Operator, grid_laplacian};
+use mser3d_laplace::{Operator, aggregate_grid, grid_laplacian};
 use mser3d_shape::{Domain, Eigenbasis, VoxelGrid};
 use rayon::prelude::*;
 
+use crate::complete::may_hide_copies;
+use crate::count::count_below;
+use crate::extent::all_below;
 use crate::factor::Elimination;
 use crate::filter::{basis_columns, coarse_factor, filtered_eigenpairs};
 use crate::parts::{members, merge};
 use crate::shift_invert::{self, Pairs, Task, inverse_eigenpairs};
-use crate::standard::{StandardProblem, dense_eigenpairs};
+use crate::standard::{StandardProblem, dense_eigenpairs, unit_eigenvalue};
 use crate::tall::{LANES, Tall};
-use crate::{Eigensolver, SpectralError, Spectrum, SpectrumParameters, SpectrumReport};
+use crate::{Eigensolver, Extent, SpectralError, Spectrum, SpectrumParameters, SpectrumReport};
 
 /// Rows below which a dense solver is faster than any iteration.
 const DENSE_ROWS: usize = 400;
@@ -33,51 +36,74 @@ pub fn smallest_eigenpairs(
 ) -> Result<Spectrum, SpectralError> {
     parameters.validate()?;
     let bodies = members(&operator.components(), |row| operator.mass()[row] > 0.0);
-    let (available, k) = (bodies.iter().map(Vec::len).sum(), parameters.eigenpairs);
-    if k > available {
-        return Err(SpectralError::TooManyEigenpairs { requested: k, available });
+    let available = bodies.iter().map(Vec::len).sum();
+    let solve = |k: usize| {
+        if bodies.len() > 1 {
+            return merge(operator.domain(), operator.mass(), &bodies, k, |body, count| {
+                connected_eigenpairs(&operator.restrict(&bodies[body]), count, parameters, progress)
+            });
+        }
+        connected_eigenpairs(operator, k, parameters, progress)
+    };
+    match parameters.eigenpairs {
+        Extent::Count(k) if k > available => {
+            Err(SpectralError::TooManyEigenpairs { requested: k, available })
+        }
+        Extent::Count(k) => solve(k),
+        Extent::Below(_) if available == 0 => {
+            Err(SpectralError::TooManyEigenpairs { requested: 1, available })
+        }
+        Extent::Below(relative) => {
+            let measure = operator.mass().iter().sum();
+            let bound = relative * unit_eigenvalue(operator.domain(), measure);
+            check_size(measure, bound)?;
+            // One more lies beyond the bound.
+            let count = count_below(operator, bound, parameters.memory_limit)? + 1;
+            all_below(bound, count, available, solve)
+        }
     }
-    if bodies.len() > 1 {
-        return merge(operator.domain(), operator.mass(), &bodies, k, |body, count| {
-            let parameters = SpectrumParameters { eigenpairs: count, ..parameters.clone() };
-            connected_eigenpairs(&operator.restrict(&bodies[body]), &parameters, progress)
-        });
-    }
-    connected_eigenpairs(operator, parameters, progress)
 }
 
 /// As [`smallest_eigenpairs`], of an operator with one component.
 fn connected_eigenpairs(
     operator: &Operator,
+    k: usize,
     parameters: &SpectrumParameters,
     progress: &(dyn Fn(usize) -> ControlFlow<()> + Sync),
 ) -> Result<Spectrum, SpectralError> {
     let problem = StandardProblem::new(operator);
-    let (n, k) = (problem.len(), parameters.eigenpairs);
+    let n = problem.len();
     check_size(problem.unit_eigenvalue, problem.bound())?;
     let zeros = problem.null_space.len().min(k);
     let wanted = k - zeros;
     let columns = shift_invert::basis_columns(wanted) + 2 * LANES;
     if n <= DENSE_ROWS || columns > n - problem.null_space.len() {
-        check_memory(parameters, n, 3 * n * n)?;
+        check_memory(parameters.memory_limit, format!("{k} eigenpairs"), n, 3 * n * n)?;
         let (mut values, vectors) = dense_eigenpairs(&problem)?;
         values.truncate(wanted);
-        return finish(operator, &problem, parameters, "dense", Pairs::measured(&problem, values, vectors));
+        return finish(
+            operator,
+            &problem,
+            k,
+            parameters.tolerance,
+            "dense",
+            Pairs::measured(&problem, values, vectors),
+        );
     }
     let solver = "shift-invert Lanczos";
     if wanted == 0 {
         let pairs = Pairs::measured(&problem, Vec::new(), Tall::zeros(n, 1));
-        return finish(operator, &problem, parameters, solver, pairs);
+        return finish(operator, &problem, k, parameters.tolerance, solver, pairs);
     }
     // Before anything large is made; the factor's size is known when its pattern is.
     let numbers = n * (columns + 3 * k) + 60 * n;
-    check_memory(parameters, n, numbers)?;
+    check_memory(parameters.memory_limit, format!("{k} eigenpairs"), n, numbers)?;
     let elimination = Elimination::new(&problem)?;
-    check_memory(parameters, n, numbers + elimination.len())?;
+    check_memory(parameters.memory_limit, format!("{k} eigenpairs"), n, numbers + elimination.len())?;
     let task = Task { wanted, tolerance: parameters.tolerance, max_restarts: parameters.max_iterations };
     let report = |converged: usize| progress(zeros + converged).is_continue();
     let pairs = inverse_eigenpairs(&problem, &elimination, &task, &report)?;
-    finish(operator, &problem, parameters, solver, pairs)
+    finish(operator, &problem, k, parameters.tolerance, solver, pairs)
 }
 
 /// The smallest eigenpairs of a voxel grid's Laplacian ([`mser3d_laplace::grid_laplacian`]), by the
@@ -94,21 +120,44 @@ pub fn smallest_eigenpairs_of_grid(
     progress: &(dyn Fn(usize) -> ControlFlow<()> + Sync),
 ) -> Result<Spectrum, SpectralError> {
     parameters.validate()?;
-    let (n, k) = (grid.len(), parameters.eigenpairs);
-    if k > n {
-        return Err(SpectralError::TooManyEigenpairs { requested: k, available: n });
-    }
-    let volume = grid.frame().voxel_volume();
-    check_size(volume, grid.frame().spacing().iter().map(|h| 1.0 / (h * h)).sum())?;
+    let n = grid.len();
+    let cell = grid.frame().voxel_volume();
+    check_size(cell, grid.frame().spacing().iter().map(|h| 1.0 / (h * h)).sum())?;
     let bodies = members(&grid.components(), |_| true);
-    if bodies.len() > 1 {
-        let mass = vec![grid.frame().voxel_volume(); n];
-        return merge(Domain::Volume, &mass, &bodies, k, |body, count| {
-            let parameters = SpectrumParameters { eigenpairs: count, ..parameters.clone() };
-            let part = grid.restrict(|v| bodies[body].binary_search(&v).is_ok());
-            smallest_eigenpairs_of_grid(&part, &parameters, progress)
-        });
+    let solve = |k: usize| {
+        if bodies.len() > 1 {
+            return merge(Domain::Volume, &vec![cell; n], &bodies, k, |body, count| {
+                let part = grid.restrict(|v| bodies[body].binary_search(&v).is_ok());
+                connected_grid_eigenpairs(&part, count, parameters, progress)
+            });
+        }
+        connected_grid_eigenpairs(grid, k, parameters, progress)
+    };
+    match parameters.eigenpairs {
+        Extent::Count(k) if k > n => Err(SpectralError::TooManyEigenpairs { requested: k, available: n }),
+        Extent::Count(k) => solve(k),
+        Extent::Below(relative) => {
+            let bound = relative * unit_eigenvalue(Domain::Volume, grid.volume());
+            check_size(grid.volume(), bound)?;
+            // A coarser grid has about as many; Weyl's law says how coarse it may be.
+            let operator = match coarse_factor(n, parameters.eigenpairs.about(Domain::Volume)) {
+                Some(factor) => aggregate_grid(grid, factor).operator,
+                None => grid_laplacian(grid),
+            };
+            let count = count_below(&operator, bound, parameters.memory_limit)?;
+            all_below(bound, count + count / 10 + 4, n, solve)
+        }
     }
+}
+
+/// As [`smallest_eigenpairs_of_grid`], of a grid with one component.
+fn connected_grid_eigenpairs(
+    grid: &VoxelGrid,
+    k: usize,
+    parameters: &SpectrumParameters,
+    progress: &(dyn Fn(usize) -> ControlFlow<()> + Sync),
+) -> Result<Spectrum, SpectralError> {
+    let n = grid.len();
     let filter = match parameters.solver {
         Eigensolver::Auto => coarse_factor(n, k).is_some(),
         Eigensolver::Filter => basis_columns(k) + 2 * LANES < n / 8,
@@ -116,13 +165,18 @@ pub fn smallest_eigenpairs_of_grid(
     };
     // The zero mode alone needs no iteration.
     if !filter || k == 1 {
-        return smallest_eigenpairs(&grid_laplacian(grid), parameters, progress);
+        return connected_eigenpairs(&grid_laplacian(grid), k, parameters, progress);
     }
-    check_memory(parameters, n, n * filter_columns(k) + 8 * n)?;
-    let found = filtered_eigenpairs(grid, parameters, progress)?;
+    check_memory(parameters.memory_limit, format!("{k} eigenpairs"), n, n * filter_columns(k) + 8 * n)?;
+    let found = filtered_eigenpairs(grid, k, parameters, progress)?;
+    // The inverse sees more copies than a block has columns, the filter doesn't: bodies with so many are rare.
+    if may_hide_copies(&found.values, LANES) {
+        return connected_eigenpairs(&grid_laplacian(grid), k, parameters, progress);
+    }
     let zero_modes = found.null_space.len().min(k);
     let wanted = k - zero_modes;
-    let residual = check_residuals(&found.values, &found.residuals, found.bound, parameters, found.restarts)?;
+    let residual =
+        check_residuals(&found.values, &found.residuals, found.bound, parameters.tolerance, found.restarts)?;
     let report = SpectrumReport {
         solver: "filtered Lanczos",
         iterations: found.restarts,
@@ -167,14 +221,14 @@ fn ascending(values: &[f64]) -> Vec<usize> {
 fn finish(
     operator: &Operator,
     problem: &StandardProblem,
-    parameters: &SpectrumParameters,
+    k: usize,
+    tolerance: f64,
     solver: &'static str,
     pairs: Pairs,
 ) -> Result<Spectrum, SpectralError> {
-    let k = parameters.eigenpairs;
     let zero_modes = problem.null_space.len().min(k);
     let residual =
-        check_residuals(&pairs.values, &pairs.residuals, problem.bound(), parameters, pairs.restarts)?;
+        check_residuals(&pairs.values, &pairs.residuals, problem.bound(), tolerance, pairs.restarts)?;
     let report = SpectrumReport {
         solver,
         iterations: pairs.restarts,
@@ -216,23 +270,16 @@ fn check_residuals(
     values: &[f64],
     residuals: &[f64],
     bound: f64,
-    parameters: &SpectrumParameters,
+    tolerance: f64,
     restarts: usize,
 ) -> Result<f64, SpectralError> {
     let residual = residuals.iter().copied().fold(0.0, f64::max);
-    let good =
-        |&(&value, &residual): &(&f64, &f64)| residual <= attainable(parameters.tolerance, bound, value);
+    let good = |&(&value, &residual): &(&f64, &f64)| residual <= attainable(tolerance, bound, value);
     let converged = values.iter().zip(residuals).filter(good).count();
     if converged == residuals.len() {
         return Ok(residual);
     }
-    Err(SpectralError::NotConverged {
-        converged: parameters.eigenpairs - residuals.len() + converged,
-        wanted: parameters.eigenpairs,
-        restarts,
-        residual,
-        tolerance: parameters.tolerance,
-    })
+    Err(SpectralError::NotConverged { converged, wanted: residuals.len(), restarts, residual, tolerance })
 }
 
 /// Whether a measure and the operator's bound are numbers that can be computed with.
@@ -248,11 +295,17 @@ pub(crate) fn orthogonality(vectors: &Tall, count: usize) -> f64 {
     entries.map(|(i, j)| (gram[(i, j)] - f64::from(u8::from(i == j))).abs()).fold(0.0, f64::max)
 }
 
-fn check_memory(parameters: &SpectrumParameters, rows: usize, numbers: usize) -> Result<(), SpectralError> {
+/// Whether so many numbers fit within the limit.
+pub(crate) fn check_memory(
+    limit: Option<u64>,
+    work: String,
+    rows: usize,
+    numbers: usize,
+) -> Result<(), SpectralError> {
     let needed = numbers as u64 * 8;
-    match parameters.memory_limit {
+    match limit {
         Some(limit) if needed > limit => Err(SpectralError::TooMuchMemory {
-            pairs: parameters.eigenpairs,
+            work,
             rows,
             needed_mb: needed / 1_000_000,
             limit_mb: limit / 1_000_000,

@@ -1,7 +1,7 @@
 //! From the generalized problem to a standard one, and back.
 
 use mser3d_laplace::Operator;
-use mser3d_shape::Eigenbasis;
+use mser3d_shape::{Domain, Eigenbasis};
 
 use crate::SpectralError;
 use crate::tall::{Block, LANES, Lanes, Tall};
@@ -23,6 +23,11 @@ pub(crate) struct StandardProblem {
     pub unit_eigenvalue: f64,
     /// 3 of a volume, 2 of a surface.
     pub dimension: u32,
+}
+
+/// `V^(-2/3)` of a volume, `1/A` of a surface.
+pub(crate) fn unit_eigenvalue(domain: Domain, measure: f64) -> f64 {
+    measure.powf(-2.0 / f64::from(domain.dimension()))
 }
 
 impl StandardProblem {
@@ -49,7 +54,7 @@ impl StandardProblem {
         let null_space = NullSpace::new(&labels, &root_mass);
         let measure: f64 = operator.mass().iter().sum();
         let dimension = operator.domain().dimension();
-        let unit_eigenvalue = measure.powf(-2.0 / f64::from(dimension));
+        let unit_eigenvalue = unit_eigenvalue(operator.domain(), measure);
         Self { active, root_mass, starts, columns, values, null_space, unit_eigenvalue, dimension }
     }
 

@@ -72,7 +72,7 @@ fn faults_of_grid(name: &str, grid: &VoxelGrid, counts: &[usize]) -> Vec<String>
     let mut faults = Vec::new();
     for &k in counts {
         for solver in [Eigensolver::ShiftInvert, Eigensolver::Filter] {
-            let parameters = SpectrumParameters { eigenpairs: k, solver, ..Default::default() };
+            let parameters = SpectrumParameters { eigenpairs: k.into(), solver, ..Default::default() };
             let run = |threads: usize| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 pool.install(|| {
@@ -108,7 +108,7 @@ fn faults_of_mesh(name: &str, mesh: &TriangleMesh, counts: &[usize]) -> Vec<Stri
     let components = operator.components().len() - massless;
     let mut faults = Vec::new();
     for &k in counts {
-        let parameters = SpectrumParameters { eigenpairs: k, ..Default::default() };
+        let parameters = SpectrumParameters { eigenpairs: k.into(), ..Default::default() };
         let what = format!("{name} ({} vertices), k = {k}", operator.len());
         let attempt = std::panic::catch_unwind(|| {
             smallest_eigenpairs(&operator, &parameters, &|_| ControlFlow::Continue(()))
@@ -314,7 +314,7 @@ fn slivers_open_and_non_manifold_meshes() {
 fn more_pairs_than_voxels_are_refused() {
     let grid = solid([3, 3, 3], [1.0; 3], |_| true);
     for solver in [Eigensolver::Auto, Eigensolver::ShiftInvert, Eigensolver::Filter] {
-        let parameters = SpectrumParameters { eigenpairs: 28, solver, ..Default::default() };
+        let parameters = SpectrumParameters { eigenpairs: 28.into(), solver, ..Default::default() };
         let error =
             smallest_eigenpairs_of_grid(&grid, &parameters, &|_| ControlFlow::Continue(())).unwrap_err();
         assert_eq!(error, SpectralError::TooManyEigenpairs { requested: 28, available: 27 });
@@ -328,7 +328,7 @@ fn copies_of_one_body_multiply_its_eigenvalues() {
     let first = 2.0 - 2.0 * (std::f64::consts::PI / 9.0).cos();
     for solver in [Eigensolver::ShiftInvert, Eigensolver::Filter] {
         for k in [100, 120] {
-            let parameters = SpectrumParameters { eigenpairs: k, solver, ..Default::default() };
+            let parameters = SpectrumParameters { eigenpairs: k.into(), solver, ..Default::default() };
             let spectrum =
                 smallest_eigenpairs_of_grid(&grid, &parameters, &|_| ControlFlow::Continue(())).unwrap();
             let values = spectrum.basis.eigenvalues();

@@ -10,7 +10,7 @@ use mser3d_spectral::{
 };
 
 fn solve(operator: &Operator, eigenpairs: usize) -> Spectrum {
-    let parameters = SpectrumParameters { eigenpairs, ..Default::default() };
+    let parameters = SpectrumParameters { eigenpairs: eigenpairs.into(), ..Default::default() };
     smallest_eigenpairs(operator, &parameters, &|_| ControlFlow::Continue(())).unwrap()
 }
 
@@ -203,7 +203,7 @@ fn equal_bodies_miss_no_copy_of_an_eigenvalue() {
     let grid = solid([29; 3], [1.0; 3], |c| c.iter().all(|x| (x - 0.5) % 10.0 != 9.0));
     let mut expected: Vec<f64> = box_spectrum([9; 3], [1.0; 3], 8).repeat(27);
     expected.sort_by(f64::total_cmp);
-    let parameters = SpectrumParameters { eigenpairs: 120, ..Default::default() };
+    let parameters = SpectrumParameters { eigenpairs: 120.into(), ..Default::default() };
     let found = smallest_eigenpairs_of_grid(&grid, &parameters, &|_| ControlFlow::Continue(())).unwrap();
     assert_eq!(found.report.zero_modes, 27);
     assert_close(found.basis.eigenvalues(), &expected[..120], 1e-9);
@@ -240,10 +240,10 @@ fn wrong_requests_are_clear_errors() {
     let ask = |parameters: SpectrumParameters| {
         smallest_eigenpairs(&operator, &parameters, &|_| ControlFlow::Continue(())).unwrap_err()
     };
-    let error = ask(SpectrumParameters { eigenpairs: 10_000_000, ..Default::default() });
+    let error = ask(SpectrumParameters { eigenpairs: 10_000_000.into(), ..Default::default() });
     assert_eq!(error, SpectralError::TooManyEigenpairs { requested: 10_000_000, available: 125 });
     assert!(matches!(
-        ask(SpectrumParameters { eigenpairs: 0, ..Default::default() }),
+        ask(SpectrumParameters { eigenpairs: 0.into(), ..Default::default() }),
         SpectralError::BadParameter { name: "eigenpairs", .. }
     ));
     assert!(matches!(
@@ -258,7 +258,7 @@ fn wrong_requests_are_clear_errors() {
 fn sizes_whose_powers_overflow_are_no_panic() {
     for spacing in [1e-170, 1e160] {
         let grid = solid([24; 3], [spacing; 3], |_| true);
-        let parameters = SpectrumParameters { eigenpairs: 10, ..Default::default() };
+        let parameters = SpectrumParameters { eigenpairs: 10.into(), ..Default::default() };
         let go_on = |_| ControlFlow::Continue(());
         assert!(smallest_eigenpairs_of_grid(&grid, &parameters, &go_on).is_err());
         assert!(smallest_eigenpairs(&grid_laplacian(&grid), &parameters, &go_on).is_err());

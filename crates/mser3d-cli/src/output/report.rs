@@ -3,7 +3,7 @@
 use mser3d::comptree::{AltitudeScale, Mode, Polarity};
 use mser3d::descriptors::TimeScale;
 use mser3d::shape::Connectivity;
-use mser3d::spectral::Eigensolver;
+use mser3d::spectral::{Eigensolver, Extent};
 use mser3d::voxelize::{Diagnosis, Method, Morphology, Overlap, Pitch, VoxelizeParameters, diagnose};
 use mser3d::{Descriptor, Domain, Features, Parameters, Weight};
 use serde::Serialize;
@@ -266,7 +266,14 @@ fn parameters_json(input: &Input, domain: Domain, p: &Parameters) -> Value {
     };
     let mut json = json!({
         "spectrum": {
-            "eigenpairs": p.spectrum.eigenpairs,
+            "eigenpairs": match p.spectrum.eigenpairs {
+                Extent::Count(count) => Some(count),
+                _ => None,
+            },
+            "lambda_max": match p.spectrum.eigenpairs {
+                Extent::Below(bound) => Some(bound),
+                _ => None,
+            },
             "tolerance": p.spectrum.tolerance,
             "solver": match p.spectrum.solver {
                 Eigensolver::ShiftInvert => "shift-invert",

@@ -14,7 +14,7 @@ use crate::bench::process::Stopwatch;
 pub fn solve_and_print(case: &Case, solver: &str) -> Result<(), Box<dyn Error>> {
     let solver = Solver::ours(solver).ok_or_else(|| format!("no solver of ours is called {solver}"))?;
     let parameters = SpectrumParameters {
-        eigenpairs: case.eigenpairs,
+        eigenpairs: case.eigenpairs.into(),
         tolerance: case.tolerance,
         solver,
         ..Default::default()
