@@ -13,7 +13,7 @@ pub struct MsvParameters {
     pub max_area: f64,
     /// Regions go whose variation `(area at level + delta - area) / area` is this or more. Default 0.25.
     pub max_variation: f64,
-    /// Regions go whose nearest maximally stable ancestor differs by less, `(its area - area) / its
+    /// Regions go whose nearest ancestor that stays, or root, differs by less, `(its area - area) / its
     /// area`; 0 to 1. Default 0.2.
     pub min_diversity: f64,
     /// Regions are compared with their parents only if these follow within this difference of grey
@@ -92,33 +92,36 @@ pub fn maximally_stable_volumes(
             stable[loser as usize] = false;
         }
     }
-    // The nearest maximally stable proper ancestor, or the root, from the roots down.
-    let mut nearest: Vec<u32> = (0..count).collect();
-    for node in (0..count).rev() {
-        if let Some(parent) = tree.parent(node) {
-            let stands = stable[parent as usize] || tree.parent(parent).is_none();
-            nearest[node as usize] = if stands { parent } else { nearest[parent as usize] };
-        }
-    }
     let total = tree.total_volume();
     let (smallest, largest) = (parameters.min_area * total, parameters.max_area * total);
     let mut report = SelectionReport { nodes: tree.len(), ..Default::default() };
     let mut kept = Vec::new();
-    for node in (0..count).filter(|&node| stable[node as usize]) {
+    // From the roots down, so that a region is compared with the nearest ancestor that stays, or the root.
+    let mut nearest: Vec<u32> = (0..count).collect();
+    for node in (0..count).rev() {
+        let Some(parent) = tree.parent(node) else { continue };
+        let above_node = if stable[parent as usize] { parent } else { nearest[parent as usize] };
+        nearest[node as usize] = above_node;
+        if !stable[node as usize] {
+            continue;
+        }
         report.candidates += 1;
-        let (volume, above) = (tree.volume(node), tree.volume(nearest[node as usize]));
+        let (volume, above) = (tree.volume(node), tree.volume(above_node));
         let variation = variation[node as usize];
-        if variation >= parameters.max_variation {
-            report.unstable += 1;
+        let removed = if variation >= parameters.max_variation {
+            &mut report.unstable
         } else if volume > largest {
-            report.too_large += 1;
+            &mut report.too_large
         } else if volume < smallest {
-            report.too_small += 1;
+            &mut report.too_small
         } else if above - volume < parameters.min_diversity * above {
-            report.overlapping += 1;
+            &mut report.overlapping
         } else {
             kept.push(Candidate { node, stability: 1.0 / variation });
-        }
+            continue;
+        };
+        *removed += 1;
+        stable[node as usize] = false;
     }
     report.kept = kept.len();
     Ok(Selection { regions: arrange(tree, kept), report })

@@ -51,17 +51,20 @@ fn by_definition(dims: [usize; 3], values: &[u8], parameters: &MsvParameters) ->
     };
     let total = values.len() as f64;
     let mut found: Vec<(usize, u8)> = Vec::new();
-    for i in (0..regions.len()).filter(|&i| stable(i)) {
+    let mut stays: Vec<bool> = (0..regions.len()).map(stable).collect();
+    let mut order: Vec<usize> = (0..regions.len()).filter(|&i| stays[i]).collect();
+    order.sort_by_key(|&i| std::cmp::Reverse(regions[i].0.len()));
+    for i in order {
         let area = regions[i].0.len() as f64;
         let mut above = parent(i).unwrap();
-        while let Some(p) = parent(above).filter(|_| !stable(above)) {
+        while let Some(p) = parent(above).filter(|_| !stays[above]) {
             above = p;
         }
         let above = regions[above].0.len() as f64;
-        let kept = variation[i] < parameters.max_variation
+        stays[i] = variation[i] < parameters.max_variation
             && (parameters.min_area * total..=parameters.max_area * total).contains(&area)
             && (above - area) / above >= parameters.min_diversity;
-        if kept {
+        if stays[i] {
             found.push((regions[i].0.len(), regions[i].1 as u8));
         }
     }
