@@ -13,6 +13,7 @@ mod interrupt;
 mod log;
 mod machine;
 mod matching;
+mod msv;
 mod options;
 mod output;
 mod progress;
@@ -64,6 +65,8 @@ enum Command {
     /// Turn a mesh into a voxel mask for other tools
     #[command(allow_negative_numbers = true)]
     Voxelize(voxelize::VoxelizeArgs),
+    /// Find the maximally stable regions of a grey-value volume or an image (MSER)
+    Msv(msv::MsvArgs),
     /// Draw a result as a PNG picture; no display needed
     Render(render::RenderArgs),
     /// Write a result as one file for Blender, browsers, MeshLab or ParaView
@@ -92,6 +95,7 @@ fn main() -> ExitCode {
         Command::Detect(args) => detect::run(args),
         Command::Inspect(args) => inspect::run(args),
         Command::Voxelize(args) => voxelize::run(args),
+        Command::Msv(args) => msv::run(args),
         Command::Render(args) => render::run(args),
         Command::Export(args) => export::run(args),
         Command::View(args) => view::run(args),
