@@ -60,10 +60,10 @@ mod tests {
         let found = [&found[0][..], &found[1]];
         let overlaps = best_overlaps(&rod(10, 1.0), &[&null], &twice, &rod(10, 2.0), &found);
         assert_eq!(overlaps, [5.0 / 6.0, 2.0 / 10.0]);
-        // Without the map the ten are over the first five of ten half as large, and half of them over none.
-        let stay: SpaceMap = Box::new(|p| p);
+        // Ten of half the length reach as far as the first five, once they are as thin.
+        let thin: SpaceMap = Box::new(|[x, y, z]| [x, 0.5 * y, 0.5 * z]);
         let overlaps =
-            best_overlaps(&rod(10, 1.0), &[&region(0..4)], &stay, &rod(10, 0.5), &[&region(0..10)]);
+            best_overlaps(&rod(10, 1.0), &[&region(0..4)], &thin, &rod(10, 0.5), &[&region(0..10)]);
         assert_eq!(overlaps, [4.0 / 5.0]);
     }
 }
