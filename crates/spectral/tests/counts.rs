@@ -39,7 +39,7 @@ fn last_gap(values: &[f64]) -> (usize, f64) {
 #[test]
 fn spectra_are_complete_by_the_inertia_of_a_factorization() {
     // A fishbone: each of its 25 ribs has the same odd waves, more than a block has columns.
-    let fishbone = |[x, y, _]: [f64; 3]| (y - 60.5).abs() < 0.6 || x as u32 % 2 == 0;
+    let fishbone = |[x, y, _]: [f64; 3]| (y - 60.5).abs() < 0.6 || (x as u32).is_multiple_of(2);
     let solids = [
         ("ball", solid([20; 3], 1.0, |c| in_ball(c, [10.0; 3], 10.0))),
         ("cube", solid([16; 3], 1.0, |_| true)),
