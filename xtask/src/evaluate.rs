@@ -88,3 +88,8 @@ impl Solved {
 pub fn mesh(path: &Path) -> Result<TriangleMesh, Box<dyn Error>> {
     Ok(read_mesh(path, &ReadOptions::default())?.mesh)
 }
+
+/// The name of a file without its folder and extension.
+pub fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}

@@ -11,6 +11,7 @@ mod fixtures;
 mod interop;
 mod pictures;
 mod poses;
+mod selection;
 mod shrec11;
 
 use std::process::ExitCode;
@@ -41,6 +42,8 @@ enum Command {
     Pictures(pictures::Arguments),
     /// Score the detector on poses of one figure
     Poses(poses::Arguments),
+    /// Compare choices of weights, time scales and filters on poses
+    Selection(selection::Arguments),
     /// Score detectors on SHREC'10, SHREC'11 or a synthetic benchmark
     Shrec11(shrec11::Arguments),
 }
@@ -54,6 +57,7 @@ fn main() -> ExitCode {
         Command::Interop(arguments) => interop::run(&arguments),
         Command::Pictures(arguments) => pictures::run(&arguments),
         Command::Poses(arguments) => poses::run(&arguments),
+        Command::Selection(arguments) => selection::run(&arguments),
         Command::Shrec11(arguments) => shrec11::run(&arguments),
     };
     match result {

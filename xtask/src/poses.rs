@@ -10,7 +10,7 @@ use mser3d::spectral::SpectrumParameters;
 use mser3d::voxelize::{Pitch, VoxelizeParameters};
 use mser3d_shrec11::{NullShape, Score, ShapeName, Transfer, isometry, read_symmetry};
 
-use crate::evaluate::{Solved, mesh};
+use crate::evaluate::{Solved, mesh, stem};
 
 /// What `cargo xtask poses` can be told.
 #[derive(clap::Args)]
@@ -114,8 +114,4 @@ fn print_row(title: &str, pose: &str, regions: f64, [low, middle, high, matched]
     println!(
         "{title:13} {pose:20} {regions:7.1}        {low:.2}  {middle:.2}  {high:.2}            {matched:.2}"
     );
-}
-
-fn stem(path: &Path) -> String {
-    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }

@@ -1,0 +1,71 @@
+//! The choices that are compared: each differs from the defaults in one thing.
+
+use mser3d::comptree::{AltitudeScale, Mode};
+use mser3d::descriptors::TimeScale;
+use mser3d::{Parameters, Weight};
+
+/// Parameters with a name.
+pub struct Detector {
+    /// What is varied.
+    pub group: &'static str,
+    /// The choice.
+    pub title: String,
+    pub parameters: Parameters,
+    /// Whether the tree links 26 neighbours instead of 6.
+    pub all_neighbours: bool,
+}
+
+/// All detectors; the first is the default, then the other modes.
+pub fn all() -> Vec<Detector> {
+    let mut all = Vec::new();
+    let mut add = |group, title: &str, change: &dyn Fn(&mut Parameters)| {
+        let mut parameters = Parameters::default();
+        change(&mut parameters);
+        all.push(Detector { group, title: title.into(), parameters, all_neighbours: group == NEIGHBOURS });
+    };
+    add("mode", "default", &|_| {});
+    add("mode", "paper", &|p| p.stability.mode = Mode::Paper);
+    add("mode", "baseline", &|p| p.stability.mode = Mode::Baseline);
+    for window in [0.05, 0.1, 0.3, 0.4] {
+        let title = format!("window {window}");
+        add("window", &title, &|p| p.stability.mode = Mode::Windowed { window });
+    }
+    add("weight", "commute time", &|p| p.weight = Weight::CommuteTime);
+    add("weight", "1/H(u,v) on links", &|p| p.weight = Weight::HeatEdge);
+    for scales in [
+        &[0.25][..],
+        &[0.5],
+        &[1.0],
+        &[2.0],
+        &[0.25, 1.0],
+        &[0.5, 1.0, 2.0],
+        &[0.125, 0.25, 0.5, 1.0, 2.0],
+        &[0.25, 0.5, 1.0, 2.0, 4.0],
+    ] {
+        let list: Vec<String> = scales.iter().map(f64::to_string).collect();
+        add("time scales", &format!("t = {}", list.join(", ")), &|p| {
+            p.time_scales = scales.iter().copied().map(TimeScale::Relative).collect();
+        });
+    }
+    add(NEIGHBOURS, "26 neighbours", &|_| {});
+    add("altitude", "linear altitude, window 0.2 of the mean", &|p| {
+        // Times the volume, the mean of H is about 1 to 2 at these times.
+        p.stability.scale = AltitudeScale::Linear;
+    });
+    for overlap in [0.7, 0.9] {
+        let title = format!("duplicates from {overlap}");
+        add("pooling", &title, &|p| p.pool.duplicate_overlap = overlap);
+    }
+    for diversity in [0.1, 0.3] {
+        let title = format!("diversity {diversity}");
+        add("filters", &title, &|p| p.stability.min_diversity = diversity);
+    }
+    for fraction in [0.005, 0.02] {
+        let title = format!("smallest volume {fraction}");
+        add("filters", &title, &|p| p.stability.min_volume_fraction = fraction);
+    }
+    add("filters", "least stability 0.5", &|p| p.stability.min_stability = Some(0.5));
+    all
+}
+
+const NEIGHBOURS: &str = "neighbours";
