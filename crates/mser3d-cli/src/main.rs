@@ -66,6 +66,7 @@ enum Command {
     #[command(allow_negative_numbers = true)]
     Voxelize(voxelize::VoxelizeArgs),
     /// Find the maximally stable regions of a grey-value volume or an image (MSER)
+    #[command(allow_negative_numbers = true)]
     Msv(msv::MsvArgs),
     /// Draw a result as a PNG picture; no display needed
     Render(render::RenderArgs),

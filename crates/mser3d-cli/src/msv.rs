@@ -28,7 +28,7 @@ pub struct MsvArgs {
     #[arg(long, value_enum, default_value_t = Search::Both)]
     pub regions: Search,
     /// Over how many grey values a region is compared with what it grows into [default: 5 for integers, 2 %
-    /// of the range for others]
+    /// of the range for others, where it is also the step that 1 is for integers]
     #[arg(long, value_name = "GREY")]
     pub delta: Option<f64>,
     /// Smallest region, as a fraction of all voxels
@@ -123,7 +123,7 @@ fn parameters(args: &MsvArgs, volume: &Volume) -> Result<MsvParameters, CliError
         max_area: args.max_area,
         max_variation: args.max_variation,
         min_diversity: args.min_diversity,
-        step: if integers { 1.0 } else { f64::INFINITY },
+        step: if integers { 1.0 } else { delta },
     };
     parameters.validate().map_err(|e| CliError::Usage(e.to_string()))?;
     Ok(parameters)
