@@ -229,7 +229,7 @@ mod tests {
         let keys = bodies.iter().map(|b| key(b, &parameters()));
         let keys: std::collections::HashSet<_> =
             keys.chain(other.iter().map(|p| key(&bodies[0], p))).collect();
-        assert_eq!(keys.len(), 6);
+        assert_eq!(keys.len(), 7);
         let limited = SpectrumParameters { memory_limit: Some(1 << 40), ..parameters() };
         assert_eq!(key(&bodies[0], &limited), key(&bodies[0], &parameters()));
     }
