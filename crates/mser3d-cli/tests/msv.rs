@@ -1,0 +1,83 @@
+//! `mser3d msv` from a file of grey values to files of regions.
+
+use std::process::Command;
+
+use mser3d_volumeio::{Placement, Values, Volume, read_volume, write_nifti};
+
+fn msv(arguments: &[&std::ffi::OsStr]) -> std::process::Output {
+    Command::new(env!("CARGO_BIN_EXE_mser3d")).arg("msv").args(arguments).output().unwrap()
+}
+
+#[test]
+fn a_dark_ball_and_a_bright_box_are_found_where_they_lie() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, out) = (folder.path().join("v.nii.gz"), folder.path().join("out"));
+    let dims = [24usize, 16, 12];
+    let value = |i: usize| {
+        let [x, y, z] = [i % 24, i / 24 % 16, i / (24 * 16)];
+        let ball = x.abs_diff(6).pow(2) + y.abs_diff(7).pow(2) + z.abs_diff(5).pow(2) < 16;
+        let in_box = (14..=20).contains(&x) && (6..=8).contains(&y) && (5..=7).contains(&z);
+        if ball {
+            40u8
+        } else if in_box {
+            220
+        } else {
+            150
+        }
+    };
+    let placement = Placement { origin: [10.0, 0.0, 0.0], spacing: [0.5, 1.0, 1.0], ..Default::default() };
+    let volume = Volume::new(dims, 1, placement, (0..24 * 16 * 12).map(value).collect::<Vec<_>>()).unwrap();
+    write_nifti(&path, &volume).unwrap();
+    let done = msv(&[path.as_ref(), "-o".as_ref(), out.as_ref()]);
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    assert_eq!(String::from_utf8_lossy(&done.stdout), "dark regions: 1\nbright regions: 1\n");
+
+    let json = std::fs::read_to_string(out.join("regions.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let region = |search: usize| json["searches"][search]["regions"][0].clone();
+    let numbers = |value: &serde_json::Value| -> Vec<f64> {
+        value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+    };
+    let close =
+        |a: Vec<f64>, b: [f64; 3]| assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6), "{a:?}");
+    close(numbers(&region(0)["centre"]), [13.0, 7.0, 5.0]);
+    close(numbers(&region(1)["centre"]), [18.5, 7.0, 6.0]);
+    assert_eq!(region(1)["voxels"], 63.0);
+    assert_eq!(region(1)["volume"], 31.5);
+    // A box of n voxels has the variance (n^2 - 1) / 12, an ellipsoid a fifth of its squared semi-axis.
+    let semi_axis = |n: f64, h: f64| h * (5.0 * (n * n - 1.0) / 12.0).sqrt();
+    close(numbers(&region(1)["semi_axes"]), [semi_axis(7.0, 0.5), semi_axis(3.0, 1.0), semi_axis(3.0, 1.0)]);
+
+    let labels = read_volume(&out.join("labels.npy")).unwrap();
+    assert_eq!((labels.dims(), labels.channels()), (dims, 2));
+    let Values::I32(labels) = labels.values() else { panic!("{:?}", labels.values().type_name()) };
+    for (voxel, label) in labels.chunks(2).enumerate() {
+        let expected = [if value(voxel) == 40 { 0 } else { -1 }, if value(voxel) == 220 { 0 } else { -1 }];
+        assert_eq!(label, expected);
+    }
+    assert_eq!(std::fs::read_to_string(out.join("regions.csv")).unwrap().lines().count(), 3);
+    assert!(out.join("labels.vti").exists());
+}
+
+#[test]
+fn wrong_use_and_unreadable_volumes_are_told_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let path = folder.path().join("v.nii");
+    write_nifti(&path, &Volume::new([2, 2, 2], 1, Placement::default(), vec![1u8; 8]).unwrap()).unwrap();
+    let code = |arguments: &[&std::ffi::OsStr]| msv(arguments).status.code();
+    let output: [&std::ffi::OsStr; 2] = ["-o".as_ref(), out.as_ref()];
+    let with = |more: &[&'static str], path: &std::path::Path| {
+        let mut all = vec![path.as_os_str()];
+        all.extend(output);
+        all.extend(more.iter().map(std::ffi::OsStr::new));
+        code(&all)
+    };
+    assert_eq!(with(&["--delta", "-1"], &path), Some(2));
+    assert_eq!(with(&["--min-diversity", "3"], &path), Some(2));
+    assert_eq!(with(&[], folder.path().join("mesh.obj").as_ref()), Some(2));
+    assert_eq!(with(&[], folder.path().join("none.nii").as_ref()), Some(1));
+    assert!(!out.exists());
+    // All equal: one component, which never changes; no region.
+    assert_eq!(with(&["-q"], &path), Some(0));
+}
