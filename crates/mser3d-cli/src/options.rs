@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use mser3d::comptree::{AltitudeScale, Mode, Polarity};
-use mser3d::descriptors::{HksParameters, TimeScale};
+use mser3d::descriptors::{HksParameters, SiHksParameters, TimeScale};
 use mser3d::shape::Domain;
 use mser3d::spectral::{Eigensolver, Extent};
 use mser3d::{Descriptor, Parameters, Weight};
@@ -93,7 +93,7 @@ pub struct RegionOptions {
     #[arg(long, value_name = "F", value_parser = fraction, default_value_t = 0.8, help_heading = "Regions")]
     pub duplicate_overlap: f64,
     /// Heat kernel signature that describes a region
-    #[arg(long, value_enum, default_value_t = DescriptorArg::SiHks, help_heading = "Regions")]
+    #[arg(long, value_enum, default_value_t = DescriptorArg::SizedSiHks, help_heading = "Regions")]
     pub descriptor: DescriptorArg,
 }
 
@@ -167,7 +167,9 @@ choices!(AltitudeArg {
     Linear,
 });
 choices!(DescriptorArg {
-    /// SI-vHKS: does not change with the shape's size
+    /// SI-vHKS, and the region's share of the volume: neither changes with the shape's size
+    SizedSiHks,
+    /// SI-vHKS alone, as in the paper
     SiHks,
     /// vHKS
     Hks,
@@ -225,9 +227,11 @@ impl RegionOptions {
         p.stability.min_diversity = self.min_diversity;
         p.stability.min_stability = self.min_stability;
         p.pool.duplicate_overlap = self.duplicate_overlap;
-        if self.descriptor == DescriptorArg::Hks {
-            p.descriptor = Descriptor::Hks(HksParameters::default());
-        }
+        p.descriptor = match self.descriptor {
+            DescriptorArg::SizedSiHks => Descriptor::SizedSiHks(SiHksParameters::default()),
+            DescriptorArg::SiHks => Descriptor::SiHks(SiHksParameters::default()),
+            DescriptorArg::Hks => Descriptor::Hks(HksParameters::default()),
+        };
         p.validate().map_err(|e| CliError::Usage(format!("wrong parameter: {e}")))?;
         Ok(p)
     }

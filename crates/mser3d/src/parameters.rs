@@ -35,7 +35,10 @@ impl Weight {
 /// What describes a region, section 5.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Descriptor {
-    /// SI-vHKS in a volume, SI-HKS on a surface (eq. 9).
+    /// SI-vHKS in a volume, SI-HKS on a surface (eq. 9), and one number more for the region's size: see
+    /// [`crate::describe`].
+    SizedSiHks(SiHksParameters),
+    /// SI-vHKS in a volume, SI-HKS on a surface (eq. 9), as published.
     SiHks(SiHksParameters),
     /// vHKS in a volume, HKS on a surface.
     Hks(HksParameters),
@@ -43,7 +46,7 @@ pub enum Descriptor {
 
 impl Default for Descriptor {
     fn default() -> Self {
-        Self::SiHks(SiHksParameters::default())
+        Self::SizedSiHks(SiHksParameters::default())
     }
 }
 
@@ -67,7 +70,7 @@ pub struct Parameters {
     pub stability: StabilityParameters,
     /// How the regions of several time scales become one set.
     pub pool: PoolParameters,
-    /// What describes a region. Default: SI-vHKS.
+    /// What describes a region. Default: SI-vHKS and the region's size.
     pub descriptor: Descriptor,
 }
 
@@ -98,7 +101,7 @@ impl Parameters {
         self.stability.validate()?;
         self.pool.validate()?;
         match &self.descriptor {
-            Descriptor::SiHks(parameters) => parameters.validate()?,
+            Descriptor::SizedSiHks(parameters) | Descriptor::SiHks(parameters) => parameters.validate()?,
             Descriptor::Hks(parameters) => parameters.validate()?,
         }
         let bad = |name, problem| Err(Error::BadParameter { name, problem });

@@ -3,8 +3,8 @@
 use std::error::Error;
 
 use mser3d::descriptors::{
-    DescriptorError, Descriptors, HksParameters, IntegralInvariantParameters, SiHksParameters, TimeScale,
-    Vocabulary, VocabularyParameters, integral_invariants, region_descriptors, si_hks,
+    Descriptors, HksParameters, IntegralInvariantParameters, SiHksParameters, TimeScale, Vocabulary,
+    VocabularyParameters, integral_invariants, region_descriptors, si_hks,
 };
 use mser3d::shape::{Domain, TriangleMesh, VoxelGrid};
 use mser3d::spectral::SpectrumParameters;
@@ -186,10 +186,13 @@ impl Shared {
         let mut entries = Vec::new();
         for (entry, description) in detector.entries() {
             let descriptors = match description {
-                Description::SiHks => describe(media.get(detector.medium)?.basis(), &regions, &parameters)?,
-                Description::Sized => {
-                    let rows = describe(media.get(detector.medium)?.basis(), &regions, &parameters)?;
-                    sized(&rows, &regions)?
+                Description::SizedSiHks => {
+                    describe(media.get(detector.medium)?.basis(), &regions, &parameters)?
+                }
+                Description::SiHks => {
+                    let descriptor = Descriptor::SiHks(SiHksParameters::default());
+                    let own = Parameters { descriptor, ..parameters.clone() };
+                    describe(media.get(detector.medium)?.basis(), &regions, &own)?
                 }
                 Description::Hks => {
                     // The null shape's times, as in the paper: this descriptor knows of no scale.
@@ -263,17 +266,6 @@ pub fn is_scaled(class: &str) -> bool {
 /// The voxels or vertices of each region.
 fn elements(regions: &[Region]) -> Vec<&[u32]> {
     regions.iter().map(|r| &r.elements[..]).collect()
-}
-
-/// SI-vHKS with one more number for each region: where its own time V^(2/3), relative to the body's, lies
-/// among the samples of tau, 16 for each doubling. So it has the weight of the shifts that the signature
-/// forgets.
-fn sized(rows: &Descriptors, regions: &[Region]) -> Result<Descriptors, DescriptorError> {
-    let octave = SiHksParameters::default().samples_per_octave as f64;
-    let place = |region: &Region| octave * 2.0 / 3.0 * region.volume_fraction.log2();
-    let with_size = |(row, region): (&[f64], &Region)| [row, &[place(region)]].concat();
-    let values = rows.rows().zip(regions).flat_map(with_size).collect();
-    Descriptors::new(rows.width() + 1, values)
 }
 
 /// Everything that a detection on a transform depends on.

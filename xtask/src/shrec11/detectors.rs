@@ -31,10 +31,10 @@ impl Medium {
 /// A way to describe regions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Description {
-    /// SI-vHKS in a volume, SI-HKS on a surface.
+    /// SI-vHKS in a volume, SI-HKS on a surface, and the region's size: the default.
+    SizedSiHks,
+    /// SI-vHKS alone, the paper's.
     SiHks,
-    /// SI-vHKS, and the region's size.
-    Sized,
     /// vHKS.
     Hks,
     /// Bags of SI-vHKS; the words are those of the null shape.
@@ -49,8 +49,8 @@ impl Description {
     /// What the name of a detector is followed by: nothing for its usual descriptor.
     fn suffix(self) -> &'static str {
         match self {
-            Self::SiHks => "",
-            Self::Sized => "+size",
+            Self::SizedSiHks => "",
+            Self::SiHks => "+si-hks",
             Self::Hks => "+vhks",
             Self::Vocabulary => "+vocabulary",
             Self::IntegralInvariants => "+invariants",
@@ -78,18 +78,20 @@ pub fn chosen(names: &[String]) -> Result<Vec<Detector>, String> {
 }
 
 fn all() -> Vec<Detector> {
-    use Description::{Hks, IntegralInvariants, SiHks, Sized, SurfaceSiHks, Vocabulary};
+    use Description::{Hks, IntegralInvariants, SiHks, SizedSiHks, SurfaceSiHks, Vocabulary};
     use Medium::{Surface, UncutVolume, Volume};
     let detector = |name, medium, change: fn(&mut Parameters)| {
         let mut parameters = Parameters::default();
         change(&mut parameters);
-        Detector { name, medium, parameters, descriptors: &[SiHks] }
+        Detector { name, medium, parameters, descriptors: &[SizedSiHks] }
     };
     let mut default = detector("volume-heat", Volume, |_| {});
-    default.descriptors = &[SiHks, Sized, Hks, Vocabulary, IntegralInvariants, SurfaceSiHks];
+    default.descriptors = &[SizedSiHks, SiHks, Hks, Vocabulary, IntegralInvariants, SurfaceSiHks];
+    let mut paper = detector("volume-heat-paper", Volume, |p| p.stability.mode = Mode::Paper);
+    paper.descriptors = &[SizedSiHks, SiHks];
     vec![
         default,
-        detector("volume-heat-paper", Volume, |p| p.stability.mode = Mode::Paper),
+        paper,
         detector("volume-heat-baseline", Volume, |p| p.stability.mode = Mode::Baseline),
         detector("volume-heat-uncut", UncutVolume, |_| {}),
         detector("volume-commute", Volume, |p| p.weight = Weight::CommuteTime),

@@ -307,8 +307,8 @@ fn parameters_json(input: &Input, domain: Domain, p: &Parameters) -> Value {
         },
         "pool": { "duplicate_overlap": p.pool.duplicate_overlap },
         "descriptor": match &p.descriptor {
-            Descriptor::SiHks(d) => json!({
-                "kind": "si-hks",
+            Descriptor::SizedSiHks(d) | Descriptor::SiHks(d) => json!({
+                "kind": if matches!(p.descriptor, Descriptor::SiHks(_)) { "si-hks" } else { "sized-si-hks" },
                 "reference_volume": d.reference_volume,
                 "reference_area": d.reference_area,
                 "unit": d.unit,
