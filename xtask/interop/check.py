@@ -44,7 +44,7 @@ def check_numpy(mesh, folder):
         "grid_origin": ("<f8", (3,)),
         "pitch": ("<f8", ()),
         "eigenvalues": ("<f8", (record["parameters"]["spectrum"]["eigenpairs"],)),
-        "region_descriptor": ("<f8", (len(regions), 6)),
+        "region_descriptor": ("<f8", (len(regions), 7)),
     }
     for name, (dtype, shape) in expected.items():
         equal(name, (arrays[name].dtype.str, arrays[name].shape), (dtype, shape))
