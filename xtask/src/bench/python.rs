@@ -6,6 +6,17 @@ use std::process::Command;
 
 use serde_json::Value;
 
+/// Which Python to use.
+#[derive(clap::Args)]
+pub struct PythonArguments {
+    /// Set up the Python peers in target/peers first
+    #[arg(long)]
+    install: bool,
+    /// Python to use [default: the one of --install, else python3]
+    #[arg(long)]
+    python: Option<PathBuf>,
+}
+
 /// An interpreter, and the folder where peers and what is exchanged with them lie.
 pub struct Python {
     pub folder: PathBuf,
@@ -13,20 +24,20 @@ pub struct Python {
 }
 
 impl Python {
-    /// The one that is named, else that of the environment in `target/peers`, else `python3`. To `install` makes
+    /// The one that is named, else that of the environment in `target/peers`, else `python3`. `--install` makes
     /// the environment first, with these packages: in each list the first entry that can be installed.
-    pub fn find(program: Option<&Path>, install: bool, packages: &[&[&str]]) -> Result<Self, Box<dyn Error>> {
+    pub fn find(arguments: &PythonArguments, packages: &[&[&str]]) -> Result<Self, Box<dyn Error>> {
         let target = std::env::var_os("CARGO_TARGET_DIR").map(PathBuf::from);
         let target = target.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../target"));
         let folder = target.join("peers");
         std::fs::create_dir_all(&folder)?;
         let environment = folder.join("venv");
-        let program = match program {
-            Some(program) => program.to_path_buf(),
-            None if install || environment.exists() => environment.join("bin/python"),
+        let program = match &arguments.python {
+            Some(program) => program.clone(),
+            None if arguments.install || environment.exists() => environment.join("bin/python"),
             None => "python3".into(),
         };
-        if install {
+        if arguments.install {
             set_up(&environment, packages)?;
         }
         Ok(Self { folder, program })

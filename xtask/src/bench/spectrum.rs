@@ -19,7 +19,7 @@ use report::Row;
 use solvers::{Peers, Solver};
 
 use super::process::machine;
-use super::python::answer;
+use super::python::{PythonArguments, answer};
 
 /// What `cargo xtask bench spectrum` can be told.
 #[derive(clap::Args)]
@@ -42,12 +42,8 @@ pub struct Arguments {
     /// The cases of one and ten million voxels too: minutes, and up to 16 GB
     #[arg(long)]
     large: bool,
-    /// Set up the Python peers in target/peers first
-    #[arg(long)]
-    install: bool,
-    /// Python to use [default: the one of --install, else python3]
-    #[arg(long)]
-    python: Option<PathBuf>,
+    #[command(flatten)]
+    python: PythonArguments,
     /// Folder for spectrum.md and spectrum.csv [default: docs/results]
     #[arg(short, long)]
     output: Option<PathBuf>,
@@ -66,7 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let case = all.iter().find(|c| c.name == *case).ok_or_else(|| format!("no case {case}"))?;
         return ours::solve_and_print(case, solver);
     }
-    let peers = Peers::find(arguments.install, arguments.python.as_deref())?;
+    let peers = Peers::find(&arguments.python)?;
     let mut heading = vec![format!("Machine: {}.", machine())];
     heading.extend(peers.versions().into_iter().map(|v| format!("* {v}")));
     heading.iter().chain(&peers.missing()).for_each(|line| println!("{line}"));

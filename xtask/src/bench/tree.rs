@@ -13,7 +13,7 @@ use field::{FIELDS, Field};
 use report::Row;
 
 use super::process::machine;
-use super::python::{Python, answer};
+use super::python::{Python, PythonArguments, answer};
 
 /// What `cargo xtask bench tree` can be told.
 #[derive(clap::Args)]
@@ -27,12 +27,8 @@ pub struct Arguments {
     /// How often each runs
     #[arg(long, default_value_t = 3)]
     repeat: usize,
-    /// Set up the Python peers in target/peers first
-    #[arg(long)]
-    install: bool,
-    /// Python to use [default: the one of --install, else python3]
-    #[arg(long)]
-    python: Option<PathBuf>,
+    #[command(flatten)]
+    python: PythonArguments,
     /// Folder for tree.md and tree.csv [default: docs/results, when all fields ran]
     #[arg(short, long)]
     output: Option<PathBuf>,
@@ -56,7 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         return ours::build_and_print(weights, Path::new(path), dims);
     }
     let packages: &[&[&str]] = &[&["numpy"], &["scipy"], &["higra"]];
-    let python = Python::find(arguments.python.as_deref(), arguments.install, packages)?;
+    let python = Python::find(&arguments.python, packages)?;
     let versions = python.probe("tree.py");
     let mut heading = vec![format!("Machine: {}.", machine())];
     for name in ["higra", "scipy"] {

@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 use report::Row;
 
 use super::process::machine;
-use super::python::{Python, answer};
+use super::python::{Python, PythonArguments, answer};
 
 /// What `cargo xtask bench voxelize` can be told.
 #[derive(clap::Args)]
@@ -33,12 +33,8 @@ pub struct Arguments {
     /// Runs of each method, of which the best counts
     #[arg(long, default_value_t = 5)]
     runs: usize,
-    /// Set up the Python peers in target/peers first
-    #[arg(long)]
-    install: bool,
-    /// Python to use [default: the one of --install, else python3]
-    #[arg(long)]
-    python: Option<PathBuf>,
+    #[command(flatten)]
+    python: PythonArguments,
     /// Folder for voxelize.md and voxelize.csv [default: docs/results, when nothing else was chosen]
     #[arg(short, long)]
     output: Option<PathBuf>,
@@ -53,7 +49,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         return ours::run_and_print(Path::new(job), task);
     }
     let packages: &[&[&str]] = &[&["numpy"], &["scipy"], &["open3d"], &["vtk"], &["libigl"], &["trimesh"]];
-    let python = Python::find(arguments.python.as_deref(), arguments.install, packages)?;
+    let python = Python::find(&arguments.python, packages)?;
     let heading = vec![format!("Machine: {}.", machine())];
     let mut meshes: Vec<(String, TriangleMesh)> = Vec::new();
     for path in &arguments.meshes {

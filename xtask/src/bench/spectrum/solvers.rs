@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 use super::cases::{Case, Shape};
-use crate::bench::python::Python;
+use crate::bench::python::{Python, PythonArguments};
 use mser3d::spectral::Eigensolver;
 
 /// Who solves.
@@ -97,7 +97,7 @@ impl Solver {
 
 impl Peers {
     /// Looks for the peers, and installs them first if asked to.
-    pub fn find(install: bool, python: Option<&Path>) -> Result<Self, Box<dyn Error>> {
+    pub fn find(arguments: &PythonArguments) -> Result<Self, Box<dyn Error>> {
         let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("peers");
         let packages: &[&[&str]] = &[
             &["numpy"],
@@ -107,7 +107,7 @@ impl Peers {
             // The newest needs SuiteSparse 7; the one before takes what the system has.
             &["scikit-sparse", "scikit-sparse<0.5"],
         ];
-        let python = Python::find(python, install, packages)?;
+        let python = Python::find(arguments, packages)?;
         let mut versions = Vec::new();
         if let Some(version) = compile_spectra(&sources.join("spectra.cpp"), &python.folder.join("spectra")) {
             versions.push((Solver::Spectra, version));
