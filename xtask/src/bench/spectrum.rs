@@ -3,6 +3,7 @@
 
 mod cases;
 mod exchange;
+mod growth;
 mod ours;
 mod report;
 mod solvers;
@@ -13,7 +14,7 @@ use std::path::{Path, PathBuf};
 use mser3d::laplace::Operator;
 use serde_json::Value;
 
-use cases::{Case, cases};
+use cases::{Case, cases, series};
 use exchange::{difference, read_solution, residual_and_orthogonality, write_problem};
 use report::Row;
 use solvers::{Peers, Solver};
@@ -42,9 +43,12 @@ pub struct Arguments {
     /// The cases of one and ten million voxels too: minutes, and up to 16 GB
     #[arg(long)]
     large: bool,
+    /// Instead: how the cost of our solvers grows with the size and the number of eigenpairs
+    #[arg(long)]
+    growth: bool,
     #[command(flatten)]
     python: PythonArguments,
-    /// Folder for spectrum.md and spectrum.csv [default: docs/results]
+    /// Folder for spectrum.md and spectrum.csv, or spectrum_growth.md [default: docs/results]
     #[arg(short, long)]
     output: Option<PathBuf>,
     /// Solve one case by one solver of ours and print what came out
@@ -59,8 +63,15 @@ const SAME: f64 = 1e-6;
 pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let all = cases();
     if let Some([case, solver]) = arguments.child.as_deref() {
-        let case = all.iter().find(|c| c.name == *case).ok_or_else(|| format!("no case {case}"))?;
+        let series: Vec<Case> = series().into_iter().flat_map(|s| s.cases).map(|(_, case)| case).collect();
+        let mut known = all.iter().chain(&series);
+        let case = known.find(|c| c.name == *case).ok_or_else(|| format!("no case {case}"))?;
         return ours::solve_and_print(case, solver);
+    }
+    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/results");
+    let output = arguments.output.clone().unwrap_or(default);
+    if arguments.growth {
+        return growth::run(&output, arguments.repeat);
     }
     let peers = Peers::find(&arguments.python)?;
     let mut heading = vec![format!("Machine: {}.", machine())];
@@ -77,8 +88,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             && (arguments.case.is_empty() || arguments.case.iter().any(|part| case.name.contains(part)))
     });
     let order: Vec<String> = all.iter().map(|case| case.name.clone()).collect();
-    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/results");
-    let output = arguments.output.clone().unwrap_or(default);
     let mut wrong = Vec::new();
     for case in chosen {
         let (rows, failed) = run_case(case, &peers, arguments)?;

@@ -107,6 +107,56 @@ pub fn cases() -> Vec<Case> {
     cases
 }
 
+/// Cases that differ in one size only, to see how the cost grows with it.
+pub struct Series {
+    /// What grows.
+    pub size: &'static str,
+    pub title: String,
+    pub cases: Vec<(usize, Case)>,
+}
+
+/// The human of `fixtures/` at several resolutions, and with several numbers of eigenpairs.
+pub fn series() -> Vec<Series> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures/human_rest.off");
+    let body = |voxels, eigenpairs| Case {
+        name: format!("growth-body-{voxels}-k{eigenpairs}"),
+        shape: Shape::Body(path.clone(), voxels),
+        eigenpairs,
+        tolerance: 1e-9,
+    };
+    let surface = |vertices, eigenpairs| Case {
+        name: format!("growth-surface-{vertices}-k{eigenpairs}"),
+        shape: Shape::Surface(path.clone(), vertices),
+        eigenpairs,
+        tolerance: 1e-8,
+    };
+    let voxels = [11_000, 22_000, 45_000, 90_000, 180_000, 360_000, 720_000];
+    let vertices = [8_000, 16_000, 32_000, 64_000, 128_000];
+    let pairs = [25, 50, 100, 200, 400];
+    vec![
+        Series {
+            size: "voxels",
+            title: "A solid, k = 100, residual 1e-9".into(),
+            cases: voxels.map(|n| (n, body(n, 100))).into(),
+        },
+        Series {
+            size: "k",
+            title: "A solid of 45 thousand voxels, residual 1e-9".into(),
+            cases: pairs.map(|k| (k, body(45_000, k))).into(),
+        },
+        Series {
+            size: "vertices",
+            title: "A surface, k = 100, residual 1e-8".into(),
+            cases: vertices.map(|n| (n, surface(n, 100))).into(),
+        },
+        Series {
+            size: "k",
+            title: "A surface of 32 thousand vertices, residual 1e-8".into(),
+            cases: pairs.map(|k| (k, surface(32_000, k))).into(),
+        },
+    ]
+}
+
 fn hard_solids() -> impl Iterator<Item = Case> {
     fn in_ball([x, y, z]: [f64; 3], centre: [f64; 3], radius: f64) -> bool {
         (x - centre[0]).powi(2) + (y - centre[1]).powi(2) + (z - centre[2]).powi(2) <= radius * radius

@@ -45,6 +45,7 @@ pub fn solve_and_print(case: &Case, solver: &str) -> Result<(), Box<dyn Error>> 
         "orthogonality": orthogonality,
         "digest": format!("{:016x}", digest(&spectrum)),
         "method": spectrum.report.solver,
+        "applications": spectrum.report.applications,
     });
     println!("{answer}");
     Ok(())

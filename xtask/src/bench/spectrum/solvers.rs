@@ -155,11 +155,7 @@ impl Peers {
     ) -> Result<Command, Box<dyn Error>> {
         let numbers = [case.eigenpairs.to_string(), case.tolerance.to_string()];
         let mut command = match solver {
-            Solver::Ours(_) => {
-                let mut command = Command::new(std::env::current_exe()?);
-                command.args(["bench", "spectrum", "--child", &case.name, solver.label()]);
-                return Ok(command);
-            }
+            Solver::Ours(_) => return our_command(solver, case),
             Solver::Spectra => Command::new(self.python.folder.join("spectra")),
             _ => {
                 let mut command = self.python.script("spectrum.py");
@@ -170,6 +166,13 @@ impl Peers {
         command.arg(problem).args(numbers).arg(solution);
         Ok(command)
     }
+}
+
+/// The command that solves a case by a solver of ours and prints the answer.
+pub fn our_command(solver: Solver, case: &Case) -> Result<Command, Box<dyn Error>> {
+    let mut command = Command::new(std::env::current_exe()?);
+    command.args(["bench", "spectrum", "--child", &case.name, solver.label()]);
+    Ok(command)
 }
 
 fn python_name(solver: Solver) -> &'static str {
