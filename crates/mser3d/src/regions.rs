@@ -1,9 +1,13 @@
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
 use mser3d_comptree::{ComponentTree, Selection, pool, stable_regions};
 use mser3d_descriptors::TimeScale;
 use mser3d_shape::Eigenbasis;
+use rayon::prelude::*;
 
 use crate::progress::{ProgressFn, Stage, report};
-use crate::weight::component_tree;
+use crate::weight::Values;
 use crate::{Body, Error, Parameters};
 
 /// A stable region.
@@ -77,17 +81,26 @@ pub fn find_regions(
     let reference = parameters.reference_measure.unwrap_or(measure);
     let unit_time = reference.powf(2.0 / f64::from(basis.domain().dimension()));
     let polarity = parameters.polarity.unwrap_or(parameters.weight.polarity());
-    let mut trees = Vec::with_capacity(scales.len());
-    for (done, &time_scale) in scales.iter().enumerate() {
-        report(progress, Stage::Regions, done, scales.len())?;
+    let done = Mutex::new(0);
+    report(progress, Stage::Regions, 0, scales.len())?;
+    let search = |&time_scale: &Option<TimeScale>| {
         let time = time_scale.map(|scale| scale.with_unit(unit_time)).transpose()?;
-        let tree = component_tree(body, basis, parameters.weight, time.unwrap_or_default(), polarity)?;
+        let start = Instant::now();
+        let values = Values::new(body, basis, parameters.weight, time.unwrap_or_default())?;
+        let weighed = start.elapsed();
+        let tree = values.tree(body, basis.mass(), polarity)?;
         let selection = stable_regions(&tree, &parameters.stability)?;
+        let searched = start.elapsed() - weighed;
         let report = &selection.report;
         let (nodes, candidates, kept) = (report.nodes, report.candidates, report.kept);
-        tracing::debug!(time, nodes, candidates, kept, "component tree");
-        trees.push(Tree { time_scale, time, tree, selection });
-    }
+        tracing::debug!(time, nodes, candidates, kept, ?weighed, ?searched, "component tree");
+        // Locked while it is told, so that progress only rises.
+        let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
+        *done += 1;
+        crate::progress::report(progress, Stage::Regions, *done, scales.len())?;
+        Ok(Tree { time_scale, time, tree, selection })
+    };
+    let trees = scales.par_iter().map(search).collect::<Result<Vec<_>, Error>>()?;
     let selections: Vec<(&ComponentTree, &Selection)> =
         trees.iter().map(|t| (&t.tree, &t.selection)).collect();
     let pooled = pool(&selections, basis.mass(), &parameters.pool)?;
@@ -113,7 +126,6 @@ pub fn find_regions(
             }
         })
         .collect();
-    report(progress, Stage::Regions, scales.len(), scales.len())?;
     Ok(Found { regions, trees, duplicates })
 }
 
