@@ -43,6 +43,7 @@ mod export;
 mod filter;
 mod grey;
 mod layout;
+mod memory;
 mod msv;
 mod order;
 mod petgraph;
