@@ -7,6 +7,9 @@ use super::basins::Basins;
 use super::relief::Relief;
 use crate::order::NONE;
 
+/// Vertices of a tile, or more.
+const TILE: usize = 1 << 17;
+
 /// An edge between basins at the level where it enters.
 #[derive(Clone, Copy)]
 pub(super) struct Saddle {
@@ -26,8 +29,18 @@ impl Saddle {
 }
 
 /// The edges of a minimum spanning forest of the basins, and perhaps a few more, by ascending level.
+///
+/// What is not in the forest of some of the edges is not in that of all. So most edges are dropped tile by
+/// tile: there the basins are few enough to stay near in memory, and tiles go to different threads.
 pub(super) fn find<R: Relief>(relief: &R, basins: &Basins, parts: usize) -> Vec<Saddle> {
-    let mut saddles = forest(between(relief, &basins.labels, parts), basins.minima.len());
+    let count = basins.minima.len();
+    let tiles = relief.split_edges(parts.max(relief.len() / TILE));
+    let thinned = |numbers: &mut Numbers, tile: &Range<usize>| {
+        let found = between(relief, &basins.labels, tile.clone());
+        numbers.forest(found)
+    };
+    let found: Vec<Vec<Saddle>> = tiles.par_iter().map_init(|| Numbers::new(count), thinned).collect();
+    let mut saddles = found.concat();
     sort(&mut saddles, parts);
     saddles
 }
@@ -44,21 +57,14 @@ fn sort(saddles: &mut [Saddle], parts: usize) {
     }
 }
 
-/// The edges between basins, of most pairs of basins only the lowest.
-fn between<R: Relief>(relief: &R, labels: &[u32], parts: usize) -> Vec<Saddle> {
-    let collect = |range: &Range<usize>| {
-        let mut recent = Recent::new();
-        relief.boundary(range.clone(), labels, |v, w, level| {
-            let [a, b] = [labels[v as usize], labels[w as usize]];
-            recent.add(Saddle { level, basins: [a.min(b), a.max(b)] });
-        });
-        recent.list
-    };
-    let found: Vec<Vec<Saddle>> = relief.split_edges(parts).par_iter().map(collect).collect();
-    let mut found = found.into_iter();
-    let mut all = found.next().unwrap_or_default();
-    found.for_each(|more| all.extend(more));
-    all
+/// The edges of a tile between basins, of most pairs of basins only the lowest.
+fn between<R: Relief>(relief: &R, labels: &[u32], tile: Range<usize>) -> Vec<Saddle> {
+    let mut recent = Recent::new();
+    relief.boundary(tile, labels, |v, w, level| {
+        let [a, b] = [labels[v as usize], labels[w as usize]];
+        recent.add(Saddle { level, basins: [a.min(b), a.max(b)] });
+    });
+    recent.list
 }
 
 /// A list of edges that knows where the pairs of basins met last are: two basins mostly meet along a
@@ -87,6 +93,38 @@ impl Recent {
                 self.list.push(saddle);
             }
         }
+    }
+}
+
+/// Numbers for the basins of a tile, from zero.
+struct Numbers {
+    /// The number of each basin; [`NONE`] for those of other tiles.
+    of: Vec<u32>,
+    /// The basins of the tile.
+    basins: Vec<u32>,
+}
+
+impl Numbers {
+    fn new(count: usize) -> Self {
+        Self { of: vec![NONE; count], basins: Vec::new() }
+    }
+
+    /// The forest of the edges of a tile.
+    fn forest(&mut self, mut list: Vec<Saddle>) -> Vec<Saddle> {
+        for basin in list.iter_mut().flat_map(|saddle| &mut saddle.basins) {
+            let number = &mut self.of[*basin as usize];
+            if *number == NONE {
+                *number = self.basins.len() as u32;
+                self.basins.push(*basin);
+            }
+            *basin = *number;
+        }
+        let mut forest = forest(list, self.basins.len());
+        for basin in forest.iter_mut().flat_map(|saddle| &mut saddle.basins) {
+            *basin = self.basins[*basin as usize];
+        }
+        self.basins.drain(..).for_each(|basin| self.of[basin as usize] = NONE);
+        forest
     }
 }
 
