@@ -14,13 +14,15 @@ use mser3d_laplace::aggregate_grid;
 use mser3d_shape::VoxelGrid;
 use rayon::prelude::*;
 
-use crate::chebyshev::{Polynomial, SlicedStencil};
+use crate::chebyshev::Polynomial;
 use crate::factor::{Elimination, Search};
 use crate::lanczos::Lanczos;
 use crate::shift_invert::rescale;
 use crate::solve::attainable;
 use crate::standard::{NullSpace, StandardProblem};
+use crate::stencil::SlicedStencil;
 use crate::tall::{LANES, Lanes, Tall};
+use crate::waves::Tiling;
 use crate::{SpectralError, SpectrumParameters};
 
 /// Columns added at a time: fewer span the wanted pairs than in larger blocks, since each step of Lanczos,
@@ -67,7 +69,7 @@ pub(crate) fn coarse_factor(voxels: usize, wanted: usize) -> Option<u32> {
     (factor >= 2).then_some(factor)
 }
 
-/// The smallest `wanted` non-zero eigenpairs of the grid, `pairs` in all.
+/// The smallest `wanted` non-zero eigenpairs of a connected grid, `pairs` in all.
 pub(crate) fn filtered_eigenpairs(
     grid: &VoxelGrid,
     pairs: usize,
@@ -76,7 +78,8 @@ pub(crate) fn filtered_eigenpairs(
 ) -> Result<Filtered, SpectralError> {
     let stencil = SlicedStencil::new(grid);
     let n = stencil.len();
-    let null_space = NullSpace::new(&stencil.labels(), &vec![grid.frame().voxel_volume().sqrt(); n]);
+    // One component: bodies are solved one by one.
+    let null_space = NullSpace::new(&vec![0; n], &vec![grid.frame().voxel_volume().sqrt(); n]);
     let zeros = null_space.len().min(pairs);
     let wanted = pairs - zeros;
     let capacity = basis_columns(wanted).min((n - null_space.len()) / BLOCK * BLOCK);
@@ -184,6 +187,7 @@ fn first_cutoff(grid: &VoxelGrid, wanted: usize) -> Result<f64, SpectralError> {
 /// The polynomial of the stencil, as an operator for Lanczos.
 struct Filter<'a> {
     stencil: &'a SlicedStencil,
+    tiling: Tiling,
     polynomial: Polynomial,
     /// |p| is at most this above the cut-off.
     floor: f64,
@@ -196,7 +200,7 @@ impl<'a> Filter<'a> {
         let degree = ((GROWTH / rate).ceil() as usize).next_multiple_of(2);
         let polynomial = Polynomial { degree, target: 0.0, cutoff };
         let floor = 1.0 / (degree as f64 * rate).cosh();
-        Self { stencil, polynomial, floor, cancelled: AtomicBool::new(false) }
+        Self { stencil, tiling: Tiling::new(stencil), polynomial, floor, cancelled: AtomicBool::new(false) }
     }
 
     fn apply(&self, x: &mut Tall, report: &(dyn Fn(usize) -> bool + Sync)) {
@@ -205,7 +209,7 @@ impl<'a> Filter<'a> {
         let parts = if x.blocks().len() >= 2 * threads { 1 } else { threads };
         x.blocks_mut().par_iter_mut().for_each(|block| {
             let mut work = vec![Lanes::ZERO; block.len()];
-            self.stencil.filter(self.polynomial, block, &mut work, parts, &|| {
+            self.polynomial.apply(self.stencil, self.tiling, parts, block, &mut work, &|| {
                 report(0);
                 self.cancelled.load(Ordering::Relaxed)
             });

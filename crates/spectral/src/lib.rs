@@ -47,7 +47,9 @@ mod parts;
 mod shift_invert;
 mod solve;
 mod standard;
+mod stencil;
 mod tall;
+mod waves;
 
 pub use count::count_below;
 pub use error::SpectralError;
