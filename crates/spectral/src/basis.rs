@@ -4,10 +4,11 @@
 use std::ops::Range;
 
 use faer::{Mat, MatRef};
+use rayon::prelude::*;
 
 use crate::SpectralError;
 use crate::standard::NullSpace;
-use crate::tall::{LANES, Noise, Tall, orthonormal_combinations};
+use crate::tall::{Block, LANES, Noise, Tall, orthonormal_combinations};
 
 /// Overlap that rounding leaves in an image, relative to the operator's norm.
 const ROUNDING: f64 = 1e-15;
@@ -50,7 +51,8 @@ impl<'a> Basis<'a> {
         let mut start = Tall::zeros(rows, block);
         start.fill_noise(0..block, &mut basis.noise);
         null_space.project_out(&mut start);
-        basis.append(start, 0.0)?;
+        let gram = start.gram(blocks(0..block), &start);
+        basis.append(start, gram, 0.0)?;
         basis.settle();
         Ok(basis)
     }
@@ -67,26 +69,26 @@ impl<'a> Basis<'a> {
     /// A copy of the last block.
     pub fn last_block(&self) -> Tall {
         let first = (self.len() - self.block) / LANES;
-        Tall::from_blocks(self.columns.rows(), self.columns.blocks()[first..].to_vec())
+        let copy = |block: &Block| block.par_iter().copied().collect();
+        Tall::from_blocks(self.columns.rows(), self.columns.blocks()[first..].iter().map(copy).collect())
     }
 
-    /// Takes out of `image` its part along all columns from `first` on, and returns the coefficients.
-    pub fn take_out(&self, image: &mut Tall, first: usize) -> Mat<f64> {
+    /// Takes out of `image` its part along all columns from `first` on. Returns the coefficients, and the Gram
+    /// matrix of what is left.
+    pub fn take_out(&self, image: &mut Tall, first: usize) -> (Mat<f64>, Mat<f64>) {
         let columns = blocks(first..self.len());
-        let mut sum = Mat::zeros(self.len() - first, self.block);
-        // Twice: the large part, then what rounding left of it.
-        for _ in 0..2 {
-            let coefficients = self.columns.gram(columns.clone(), image);
-            image.subtract(&self.columns, columns.clone(), coefficients.as_ref());
-            sum += coefficients;
-        }
-        sum
+        // Twice: the large part, then what rounding left of it. Reading the columns takes longer than computing
+        // with them, so each pass does what it can.
+        let large = self.columns.gram(columns.clone(), image);
+        let small = image.subtract_then_gram(&self.columns, columns.clone(), large.as_ref());
+        let gram = image.subtract_then_self_gram(&self.columns, columns, small.as_ref());
+        (large + small, gram)
     }
 
-    /// Appends what is left of an image of the last block under an operator of this norm. Returns the R of
-    /// `rest = Q R`, where Q is the new block.
-    pub fn append(&mut self, mut rest: Tall, norm: f64) -> Result<Mat<f64>, SpectralError> {
-        let mut r = self.orthonormalize(&mut rest)?;
+    /// Appends what is left of an image of the last block under an operator of this norm, given its Gram
+    /// matrix. Returns the R of `rest = Q R`, where Q is the new block.
+    pub fn append(&mut self, mut rest: Tall, gram: Mat<f64>, norm: f64) -> Result<Mat<f64>, SpectralError> {
+        let mut r = self.orthonormalize(&mut rest, gram)?;
         self.columns.blocks_mut().append(rest.blocks_mut());
         // What rounding and the last two blocks had of settled columns, grown as the rest was scaled up.
         let scale = r.singular_values().map_err(|_| SpectralError::Overflow)?;
@@ -101,7 +103,8 @@ impl<'a> Basis<'a> {
         if !small {
             // What was taken out was part of the columns' lengths.
             let mut last = self.remove_last_block();
-            r = self.orthonormalize(&mut last)? * r;
+            let gram = last.gram(blocks(0..self.block), &last);
+            r = self.orthonormalize(&mut last, gram)? * r;
             self.columns.blocks_mut().append(last.blocks_mut());
             self.settled = self.len() - self.block;
             self.settle();
@@ -143,25 +146,26 @@ impl<'a> Basis<'a> {
         Tall::from_blocks(self.columns.rows(), self.columns.blocks_mut().split_off(first))
     }
 
-    /// Makes the columns of `block` orthonormal. Directions that depend on the others are replaced by
-    /// noise orthogonal to the basis. Returns R of `block = Q R`; R is zero in the rows of replaced columns.
-    fn orthonormalize(&mut self, block: &mut Tall) -> Result<Mat<f64>, SpectralError> {
+    /// Makes the columns of `block` orthonormal, given their Gram matrix. Directions that depend on the others
+    /// are replaced by noise orthogonal to the basis. Returns R of `block = Q R`; R is zero in the rows of
+    /// replaced columns.
+    fn orthonormalize(&mut self, block: &mut Tall, gram: Mat<f64>) -> Result<Mat<f64>, SpectralError> {
         let width = self.block;
         let mut r = Mat::<f64>::identity(width, width);
+        let mut gram = gram;
         // Two rounds: the second mends what the condition of the first lost.
         for _ in 0..2 {
-            let gram = block.gram(blocks(0..width), block);
             let combination = orthonormal_combinations(&gram).ok_or(SpectralError::Overflow)?;
             let found = combination.ncols();
             // Q = X C, so Q^T X = C^T (X^T X).
             let mut step = Mat::<f64>::zeros(width, width);
             step.subrows_mut(0, found).copy_from(combination.transpose() * &gram);
             r = &step * &r;
-            block.rotate(combination.as_ref());
+            gram = block.rotate_then_self_gram(combination.as_ref());
             if found < width {
                 block.fill_noise(found..width, &mut self.noise);
                 self.null_space.project_out(block);
-                self.take_out(block, 0);
+                gram = self.take_out(block, 0).1;
             }
         }
         Ok(r)

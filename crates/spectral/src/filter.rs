@@ -21,7 +21,7 @@ use crate::shift_invert::rescale;
 use crate::solve::attainable;
 use crate::standard::{NullSpace, StandardProblem};
 use crate::stencil::SlicedStencil;
-use crate::tall::{LANES, Lanes, Tall};
+use crate::tall::{Block, LANES, Lanes, Tall};
 use crate::waves::Tiling;
 use crate::{SpectralError, SpectrumParameters};
 
@@ -99,6 +99,7 @@ pub(crate) fn filtered_eigenpairs(
     // How much an estimated residual must be below the tolerance; more, if the true one comes out above it.
     let mut margin = 1.0;
     let most = AtomicUsize::new(0);
+    let mut work = Block::new();
     loop {
         let filter = Filter::new(&stencil, cutoff);
         let report = |converged: usize| {
@@ -109,7 +110,7 @@ pub(crate) fn filtered_eigenpairs(
         };
         let accept =
             |theta: f64, residual: f64| filter.accepts(theta, residual, margin * parameters.tolerance);
-        let ritz = lanczos.run(|x| filter.apply(x, &report), accept, report)?;
+        let ritz = lanczos.run(|x| filter.apply(x, &mut work, &report), accept, report)?;
         applications += ritz.applications * filter.polynomial.degree;
         restarts += ritz.restarts;
         // Below the cut-off p falls, so the order by p is the order by eigenvalue; beyond it, it is not.
@@ -134,7 +135,7 @@ pub(crate) fn filtered_eigenpairs(
             let blocks = again.iter().map(|&at| std::mem::take(&mut vectors.blocks_mut()[at])).collect();
             let theta = again.iter().flat_map(|&at| ritz.values.iter().skip(at * LANES).take(LANES).copied());
             let mut some = Tall::from_blocks(n, blocks);
-            filter.apply(&mut some, &report);
+            filter.apply(&mut some, &mut work, &report);
             rescale(&mut some, &theta.collect::<Vec<f64>>());
             again
                 .iter()
@@ -203,17 +204,22 @@ impl<'a> Filter<'a> {
         Self { stencil, tiling: Tiling::new(stencil), polynomial, floor, cancelled: AtomicBool::new(false) }
     }
 
-    fn apply(&self, x: &mut Tall, report: &(dyn Fn(usize) -> bool + Sync)) {
-        // Threads share a block unless there are blocks for all.
-        let threads = rayon::current_num_threads();
-        let parts = if x.blocks().len() >= 2 * threads { 1 } else { threads };
-        x.blocks_mut().par_iter_mut().for_each(|block| {
-            let mut work = vec![Lanes::ZERO; block.len()];
-            self.polynomial.apply(self.stencil, self.tiling, parts, block, &mut work, &|| {
-                report(0);
-                self.cancelled.load(Ordering::Relaxed)
-            });
-        });
+    /// `x = p(A) x`, all threads on one block after the other.
+    fn apply(&self, x: &mut Tall, work: &mut Block, report: &(dyn Fn(usize) -> bool + Sync)) {
+        for block in x.blocks_mut() {
+            work.resize(block.len(), Lanes::ZERO);
+            self.polynomial.apply(
+                self.stencil,
+                self.tiling,
+                rayon::current_num_threads(),
+                block,
+                work,
+                &|| {
+                    report(0);
+                    self.cancelled.load(Ordering::Relaxed)
+                },
+            );
+        }
     }
 
     /// The eigenvalue of A that p maps to `theta`, by bisection: p falls from 1 to the floor on `[0, cutoff]`.

@@ -72,14 +72,14 @@ impl Lanczos<'_> {
             }
             self.null_space.project_out(&mut image);
             let first = coupled.min(basis.settled());
-            let coefficients = basis.take_out(&mut image, first);
+            let (coefficients, gram) = basis.take_out(&mut image, first);
             for j in 0..block {
                 for i in 0..coefficients.nrows() {
                     projected[(filled + j, first + i)] = coefficients[(i, j)];
                 }
             }
             let norm = (0..filled + block).map(|i| projected[(i, i)].abs()).fold(0.0, f64::max);
-            let coupling = basis.append(image, norm)?;
+            let coupling = basis.append(image, gram, norm)?;
             // One block more than the recurrence's two: overlap with the third would falsify the coefficients.
             coupled = filled.saturating_sub(block);
             filled += block;

@@ -187,16 +187,20 @@ fn connected_grid_eigenpairs(
     };
     let scale = 1.0 / grid.frame().voxel_volume().sqrt();
     let order = ascending(&found.values);
-    let mut functions = vec![0.0; n * k];
+    let mut rows = vec![0u32; n];
     for (row, &voxel) in found.order.iter().enumerate() {
-        let target = &mut functions[voxel as usize * k..(voxel as usize + 1) * k];
+        rows[voxel as usize] = row as u32;
+    }
+    let mut functions = vec![0.0; n * k];
+    functions.par_chunks_exact_mut(k).zip(rows).with_min_len(512).for_each(|(target, row)| {
+        let row = row as usize;
         if let Some(constant) = target[..zero_modes].get_mut(found.null_space.label(row)) {
             *constant = found.null_space.constant(row);
         }
         for (t, &i) in target[zero_modes..].iter_mut().zip(&order) {
             *t = found.vectors.at(row, i) * scale;
         }
-    }
+    });
     let values = std::iter::repeat_n(0.0, zero_modes).chain(order.iter().map(|&i| found.values[i]));
     let mass = vec![grid.frame().voxel_volume(); n];
     let basis = Eigenbasis::new(Domain::Volume, mass, values.collect(), functions)
@@ -290,8 +294,8 @@ fn check_size(measure: f64, bound: f64) -> Result<(), SpectralError> {
 
 /// Largest entry of |V^T V - I| over the first columns.
 pub(crate) fn orthogonality(vectors: &Tall, count: usize) -> f64 {
-    let gram = vectors.gram(0..count.div_ceil(LANES), vectors);
-    let entries = (0..count).flat_map(|i| (0..count).map(move |j| (i, j)));
+    let gram = vectors.upper_gram(count.div_ceil(LANES));
+    let entries = (0..count).flat_map(|i| (i..count).map(move |j| (i, j)));
     entries.map(|(i, j)| (gram[(i, j)] - f64::from(u8::from(i == j))).abs()).fold(0.0, f64::max)
 }
 

@@ -7,6 +7,9 @@ use crate::SpectralError;
 use crate::tall::{Block, LANES, Lanes, Tall};
 use rayon::prelude::*;
 
+/// Rows that a thread sums up at a time.
+const ROWS: usize = 1 << 13;
+
 /// `W phi = lambda M phi` as the standard problem `A x = lambda x`, `A = M^(-1/2) W M^(-1/2)`,
 /// `x = M^(1/2) phi`, over the rows that have mass.
 pub(crate) struct StandardProblem {
@@ -175,17 +178,28 @@ impl NullSpace {
             let overlaps = known.gram(all.clone(), columns);
             columns.subtract(known, all, overlaps.as_ref());
         }
-        columns.blocks_mut().par_iter_mut().for_each(|block| {
+        for block in columns.blocks_mut() {
+            let parts = (block.par_chunks(ROWS), self.labels.par_chunks(ROWS), self.entries.par_chunks(ROWS));
+            let partial = |(rows, labels, entries): (&[Lanes], &[u32], &[f64])| {
+                let mut sums = vec![[0.0; LANES]; self.len()];
+                for ((lanes, &label), entry) in rows.iter().zip(labels).zip(entries) {
+                    (0..LANES).for_each(|l| sums[label as usize][l] += entry * lanes.0[l]);
+                }
+                sums
+            };
+            let partials: Vec<Vec<[f64; LANES]>> = parts.into_par_iter().map(partial).collect();
             let mut sums = vec![[0.0; LANES]; self.len()];
-            for (row, lanes) in block.iter().enumerate() {
-                let sum = &mut sums[self.labels[row] as usize];
-                (0..LANES).for_each(|l| sum[l] += self.entries[row] * lanes.0[l]);
+            for (sum, part) in partials.iter().flat_map(|part| part.iter().enumerate()) {
+                (0..LANES).for_each(|l| sums[sum][l] += part[l]);
             }
-            for (row, lanes) in block.iter_mut().enumerate() {
-                let sum = &sums[self.labels[row] as usize];
-                (0..LANES).for_each(|l| lanes.0[l] -= self.entries[row] * sum[l]);
-            }
-        });
+            let parts =
+                (block.par_chunks_mut(ROWS), self.labels.par_chunks(ROWS), self.entries.par_chunks(ROWS));
+            parts.into_par_iter().for_each(|(rows, labels, entries)| {
+                for ((lanes, &label), entry) in rows.iter_mut().zip(labels).zip(entries) {
+                    (0..LANES).for_each(|l| lanes.0[l] -= entry * sums[label as usize][l]);
+                }
+            });
+        }
     }
 }
 

@@ -94,6 +94,21 @@ impl Tall {
 
     /// `self[:, blocks]^T other`: rows are the columns of the blocks.
     pub fn gram(&self, blocks: Range<usize>, other: &Self) -> Mat<f64> {
+        self.products(blocks, other, |_, _| true)
+    }
+
+    /// The blocks of `self^T self` on and above the diagonal, for the first `blocks` blocks; zeros below.
+    pub fn upper_gram(&self, blocks: usize) -> Mat<f64> {
+        self.products(0..blocks, self, |i, j| i <= j && j < blocks)
+    }
+
+    /// The blocks of `self[:, blocks]^T other` that are `wanted(i, j)`; zeros elsewhere.
+    fn products(
+        &self,
+        blocks: Range<usize>,
+        other: &Self,
+        wanted: impl Fn(usize, usize) -> bool + Sync,
+    ) -> Mat<f64> {
         let left = &self.blocks[blocks];
         let (m, n) = (left.len(), other.blocks.len());
         let partial = |group: usize| {
@@ -101,7 +116,7 @@ impl Tall {
             for chunk in group * GROUP..((group + 1) * GROUP).min(self.rows.div_ceil(CHUNK)) {
                 let rows = self.rows_of(chunk);
                 for (i, a) in left.iter().enumerate() {
-                    for (j, b) in other.blocks.iter().enumerate() {
+                    for (j, b) in other.blocks.iter().enumerate().filter(|&(j, _)| wanted(i, j)) {
                         add_products(&a[rows.clone()], &b[rows.clone()], &mut sums[i * n + j]);
                     }
                 }
@@ -110,59 +125,136 @@ impl Tall {
         };
         let groups = self.rows.div_ceil(CHUNK * GROUP);
         let partials: Vec<Vec<Square>> = (0..groups).into_par_iter().map(partial).collect();
-        let mut total = Mat::zeros(m * LANES, n * LANES);
-        for sums in partials {
-            for i in 0..m * LANES {
-                for j in 0..n * LANES {
-                    total[(i, j)] += sums[i / LANES * n + j / LANES][i % LANES].0[j % LANES];
-                }
-            }
-        }
-        total
+        total(partials, m, n)
     }
 
     /// `self -= other[:, blocks] coefficients`.
     pub fn subtract(&mut self, other: &Self, blocks: Range<usize>, coefficients: MatRef<'_, f64>) {
         let squares = squares(coefficients, -1.0);
-        let n = self.blocks.len();
-        self.for_each_chunk(|chunk, targets| {
-            let rows = chunk * CHUNK..chunk * CHUNK + targets[0].len();
-            for (i, a) in other.blocks[blocks.clone()].iter().enumerate() {
-                for (j, target) in targets.iter_mut().enumerate() {
-                    add_combination(&a[rows.clone()], &squares[i * n + j], target);
-                }
-            }
-        });
+        let left = &other.blocks[blocks];
+        self.update(0, |rows, targets, _| combine(left, rows, &squares, targets));
+    }
+
+    /// As [`Self::subtract`], and in the same pass `other[:, blocks]^T self` of what is left.
+    pub fn subtract_then_gram(
+        &mut self,
+        other: &Self,
+        blocks: Range<usize>,
+        coefficients: MatRef<'_, f64>,
+    ) -> Mat<f64> {
+        let squares = squares(coefficients, -1.0);
+        let left = &other.blocks[blocks];
+        self.update(left.len(), |rows, targets, sums| {
+            combine(left, rows.clone(), &squares, targets);
+            let pairs = left.iter().flat_map(|a| targets.iter().map(move |b| (a, b)));
+            pairs.zip(sums).for_each(|((a, b), sum)| add_products(&a[rows.clone()], b, sum));
+        })
+    }
+
+    /// As [`Self::subtract`], and in the same pass `self^T self` of what is left.
+    pub fn subtract_then_self_gram(
+        &mut self,
+        other: &Self,
+        blocks: Range<usize>,
+        coefficients: MatRef<'_, f64>,
+    ) -> Mat<f64> {
+        let squares = squares(coefficients, -1.0);
+        let left = &other.blocks[blocks];
+        self.update(self.blocks.len(), |rows, targets, sums| {
+            combine(left, rows, &squares, targets);
+            add_own_products(targets, sums);
+        })
     }
 
     /// `self = self coefficients`, in place; columns beyond those of the coefficients stay.
     pub fn rotate(&mut self, coefficients: MatRef<'_, f64>) {
         let squares = squares(coefficients, 1.0);
-        let (m, n) = (coefficients.nrows().div_ceil(LANES), coefficients.ncols().div_ceil(LANES));
-        self.for_each_chunk(|_, blocks| {
-            let length = blocks[0].len();
-            let mut product = vec![Lanes::ZERO; n * length];
-            for (j, target) in product.chunks_exact_mut(length).enumerate() {
-                for (i, a) in blocks[..m].iter().enumerate() {
-                    add_combination(a, &squares[i * n + j], target);
-                }
-            }
-            for (block, values) in blocks.iter_mut().zip(product.chunks_exact(length)) {
-                block.copy_from_slice(values);
-            }
-        });
+        self.update(0, |_, targets, _| rotate(coefficients, &squares, targets));
     }
 
-    /// Calls `work` on every chunk of rows of all blocks, in parallel.
-    fn for_each_chunk(&mut self, work: impl Fn(usize, &mut [&mut [Lanes]]) + Sync) {
-        let mut chunks: Vec<Vec<&mut [Lanes]>> = (0..self.rows.div_ceil(CHUNK)).map(|_| Vec::new()).collect();
+    /// As [`Self::rotate`], and in the same pass `self^T self` of the result.
+    pub fn rotate_then_self_gram(&mut self, coefficients: MatRef<'_, f64>) -> Mat<f64> {
+        let squares = squares(coefficients, 1.0);
+        self.update(self.blocks.len(), |_, targets, sums| {
+            rotate(coefficients, &squares, targets);
+            add_own_products(targets, sums);
+        })
+    }
+
+    /// Calls `work(rows, rows of all blocks, sums)` on every chunk of rows, in parallel, where sums are squares
+    /// for each of `m` blocks with each block of self. Returns the sums.
+    fn update(
+        &mut self,
+        m: usize,
+        work: impl Fn(Range<usize>, &mut [&mut [Lanes]], &mut [Square]) + Sync,
+    ) -> Mat<f64> {
+        let (n, all) = (self.blocks.len(), self.rows);
+        let mut groups: Vec<Vec<&mut [Lanes]>> =
+            (0..all.div_ceil(CHUNK * GROUP)).map(|_| Vec::new()).collect();
         for block in &mut self.blocks {
-            for (chunk, rows) in chunks.iter_mut().zip(block.chunks_mut(CHUNK)) {
-                chunk.push(rows);
+            for (group, rows) in groups.iter_mut().zip(block.chunks_mut(CHUNK * GROUP)) {
+                group.push(rows);
             }
         }
-        chunks.par_iter_mut().enumerate().for_each(|(chunk, blocks)| work(chunk, blocks));
+        let partial = |(group, mut blocks): (usize, Vec<&mut [Lanes]>)| {
+            let mut sums = vec![[Lanes::ZERO; LANES]; m * n];
+            for chunk in group * GROUP..((group + 1) * GROUP).min(all.div_ceil(CHUNK)) {
+                let rows = chunk * CHUNK..((chunk + 1) * CHUNK).min(all);
+                let first = rows.start - group * GROUP * CHUNK;
+                let mut targets: Vec<&mut [Lanes]> =
+                    blocks.iter_mut().map(|block| &mut block[first..first + rows.len()]).collect();
+                work(rows, &mut targets, &mut sums);
+            }
+            sums
+        };
+        let partials = groups.into_par_iter().enumerate().map(partial).collect();
+        total(partials, m, n)
     }
+}
+
+/// The sum of partial sums, m by n squares each, in their order.
+fn total(partials: Vec<Vec<Square>>, m: usize, n: usize) -> Mat<f64> {
+    let mut total = Mat::zeros(m * LANES, n * LANES);
+    for sums in partials {
+        for (at, square) in sums.iter().enumerate() {
+            for i in 0..LANES {
+                for j in 0..LANES {
+                    total[(at / n * LANES + i, at % n * LANES + j)] += square[i].0[j];
+                }
+            }
+        }
+    }
+    total
+}
+
+/// `targets += left[rows] coefficients`.
+fn combine(left: &[Block], rows: Range<usize>, squares: &[Square], targets: &mut [&mut [Lanes]]) {
+    for (a, squares) in left.iter().zip(squares.chunks_exact(targets.len())) {
+        for (target, square) in targets.iter_mut().zip(squares) {
+            add_combination(&a[rows.clone()], square, target);
+        }
+    }
+}
+
+/// `blocks = blocks coefficients`.
+fn rotate(coefficients: MatRef<'_, f64>, squares: &[Square], blocks: &mut [&mut [Lanes]]) {
+    let (m, n) = (coefficients.nrows().div_ceil(LANES), coefficients.ncols().div_ceil(LANES));
+    let length = blocks[0].len();
+    let mut product = vec![Lanes::ZERO; n * length];
+    for (j, target) in product.chunks_exact_mut(length).enumerate() {
+        for (i, a) in blocks[..m].iter().enumerate() {
+            add_combination(a, &squares[i * n + j], target);
+        }
+    }
+    for (block, values) in blocks.iter_mut().zip(product.chunks_exact(length)) {
+        block.copy_from_slice(values);
+    }
+}
+
+/// `sums += blocks^T blocks`.
+fn add_own_products(blocks: &[&mut [Lanes]], sums: &mut [Square]) {
+    let pairs = blocks.iter().flat_map(|a| blocks.iter().map(move |b| (a, b)));
+    pairs.zip(sums).for_each(|((a, b), sum)| add_products(a, b, sum));
 }
 
 /// Coefficients as 8 x 8 squares, row by row of squares, filled up with zeros.
