@@ -20,9 +20,9 @@ use crate::lanczos::Lanczos;
 use crate::shift_invert::rescale;
 use crate::solve::attainable;
 use crate::standard::{NullSpace, StandardProblem};
-use crate::stencil::SlicedStencil;
+use crate::stencil::{SlicedStencil, Step};
 use crate::tall::{Block, LANES, Lanes, Tall};
-use crate::waves::Tiling;
+use crate::waves::{self, Tiling};
 use crate::{SpectralError, SpectrumParameters};
 
 /// Columns added at a time: fewer span the wanted pairs than in larger blocks, since each step of Lanczos,
@@ -36,6 +36,12 @@ const GROWTH: f64 = 10.0;
 const GUARD: f64 = 1.2;
 /// Rows of the coarse operator for each eigenvalue that is asked of it.
 const COARSE_ROWS: usize = 12;
+/// Smoothing divides a residual by more than this.
+const SMOOTHING: f64 = 100.0;
+/// No pair is taken for converged above this, or a copy of a multiple eigenvalue might still be on its way.
+const LARGEST_RESIDUAL: f64 = 1e-7;
+/// Rows that a thread sums up at a time.
+const SUMMED_ROWS: usize = 1 << 13;
 /// Columns of the basis for each wanted pair; the iteration usually ends before it is full.
 const COLUMNS_PER_PAIR: f64 = 2.5;
 
@@ -100,12 +106,13 @@ pub(crate) fn filtered_eigenpairs(
     let mut margin = 1.0;
     let most = AtomicUsize::new(0);
     let mut work = Block::new();
+    let cancelled = AtomicBool::new(false);
     loop {
-        let filter = Filter::new(&stencil, cutoff);
+        let filter = Filter::new(&stencil, cutoff, &cancelled);
         let report = |converged: usize| {
             let most = most.fetch_max(converged, Ordering::Relaxed).max(converged);
             let go_on = progress(zeros + most).is_continue();
-            filter.cancelled.store(!go_on, Ordering::Relaxed);
+            cancelled.store(!go_on, Ordering::Relaxed);
             go_on
         };
         let accept =
@@ -120,7 +127,7 @@ pub(crate) fn filtered_eigenpairs(
             continue;
         }
         let mut vectors = ritz.vectors;
-        let (mut values, mut residuals) = rayleigh_quotients(&stencil, &vectors, wanted);
+        let (mut values, mut residuals) = rayleigh_quotients(&stencil, vectors.blocks_mut(), &mut work);
         let weak = |values: &[f64], residuals: &[f64]| -> Vec<usize> {
             let short =
                 |&at: &usize| residuals[at] > attainable(parameters.tolerance, stencil.bound(), values[at]);
@@ -128,26 +135,40 @@ pub(crate) fn filtered_eigenpairs(
             blocks.dedup();
             blocks
         };
-        let again = weak(&values, &residuals);
-        if !again.is_empty() {
-            // Lanczos leaves the rounding errors of hundreds of columns in its vectors, tiny but rough, which
-            // is much beside a small eigenvalue. Another application of p smooths them away.
-            let blocks = again.iter().map(|&at| std::mem::take(&mut vectors.blocks_mut()[at])).collect();
-            let theta = again.iter().flat_map(|&at| ritz.values.iter().skip(at * LANES).take(LANES).copied());
-            let mut some = Tall::from_blocks(n, blocks);
+        // What is left of the other eigenvectors is tiny, but most of it rough, which is much beside a small
+        // eigenvalue: the rest of the last columns, and the rounding errors of hundreds. A polynomial of a quarter of
+        // the degree smooths nearly all of it away; if that isn't enough, p does.
+        let smoother = Filter::new(&stencil, (16.0 * cutoff).min(0.5 * stencil.bound()), &cancelled);
+        for filter in [&smoother, &filter] {
+            let again = weak(&values, &residuals);
+            if again.is_empty() {
+                break;
+            }
+            let mut some = Tall::from_blocks(
+                n,
+                again.iter().map(|&at| std::mem::take(&mut vectors.blocks_mut()[at])).collect(),
+            );
             filter.apply(&mut some, &mut work, &report);
-            rescale(&mut some, &theta.collect::<Vec<f64>>());
-            again
-                .iter()
-                .zip(some.blocks_mut())
-                .for_each(|(&at, block)| vectors.blocks_mut()[at] = std::mem::take(block));
+            if cancelled.load(Ordering::Relaxed) {
+                return Err(SpectralError::Cancelled);
+            }
+            let scale = again.iter().flat_map(|&at| &values[at * LANES..(at + 1) * LANES]);
+            rescale(&mut some, &scale.map(|&lambda| filter.value(lambda)).collect::<Vec<f64>>());
+            let (new_values, new_residuals) = rayleigh_quotients(&stencil, some.blocks_mut(), &mut work);
+            for (place, (&at, block)) in again.iter().zip(some.blocks_mut()).enumerate() {
+                let (from, to) = (place * LANES..(place + 1) * LANES, at * LANES..(at + 1) * LANES);
+                values[to.clone()].copy_from_slice(&new_values[from.clone()]);
+                residuals[to].copy_from_slice(&new_residuals[from]);
+                vectors.blocks_mut()[at] = std::mem::take(block);
+            }
             applications += again.len() * LANES * filter.polynomial.degree;
-            (values, residuals) = rayleigh_quotients(&stencil, &vectors, wanted);
         }
         if margin > 1e-4 && !weak(&values, &residuals).is_empty() {
             margin *= 1e-2;
             continue;
         }
+        values.truncate(wanted);
+        residuals.truncate(wanted);
         return Ok(Filtered {
             values,
             vectors,
@@ -192,16 +213,16 @@ struct Filter<'a> {
     polynomial: Polynomial,
     /// |p| is at most this above the cut-off.
     floor: f64,
-    cancelled: AtomicBool,
+    cancelled: &'a AtomicBool,
 }
 
 impl<'a> Filter<'a> {
-    fn new(stencil: &'a SlicedStencil, cutoff: f64) -> Self {
+    fn new(stencil: &'a SlicedStencil, cutoff: f64, cancelled: &'a AtomicBool) -> Self {
         let rate = Polynomial::rate(0.0, cutoff, stencil.bound());
         let degree = ((GROWTH / rate).ceil() as usize).next_multiple_of(2);
         let polynomial = Polynomial { degree, target: 0.0, cutoff };
         let floor = 1.0 / (degree as f64 * rate).cosh();
-        Self { stencil, tiling: Tiling::new(stencil), polynomial, floor, cancelled: AtomicBool::new(false) }
+        Self { stencil, tiling: Tiling::new(stencil), polynomial, floor, cancelled }
     }
 
     /// `x = p(A) x`, all threads on one block after the other.
@@ -222,43 +243,61 @@ impl<'a> Filter<'a> {
         }
     }
 
+    /// p at an eigenvalue below the cut-off.
+    fn value(&self, lambda: f64) -> f64 {
+        let rate = Polynomial::rate(lambda, self.polynomial.cutoff, self.stencil.bound());
+        self.floor * (self.polynomial.degree as f64 * rate).cosh()
+    }
+
     /// The eigenvalue of A that p maps to `theta`, by bisection: p falls from 1 to the floor on `[0, cutoff]`.
     fn eigenvalue(&self, theta: f64) -> f64 {
         let (mut low, mut high) = (0.0, self.polynomial.cutoff);
         for _ in 0..52 {
             let middle = 0.5 * (low + high);
-            let rate = Polynomial::rate(middle, self.polynomial.cutoff, self.stencil.bound());
-            let value = self.floor * (self.polynomial.degree as f64 * rate).cosh();
-            if value > theta { low = middle } else { high = middle }
+            if self.value(middle) > theta { low = middle } else { high = middle }
         }
         0.5 * (low + high)
     }
 
-    /// Whether a residual of p(A) means that of A is below the tolerance, relative to the eigenvalue.
-    /// What is missing from a Ritz vector lies above the cut-off, spread over the rest of the spectrum:
-    /// there p is nothing, and A a sixth of its bound on average, as measured.
+    /// Whether a residual of p(A) means that of A is below the tolerance, relative to the eigenvalue, when it has
+    /// been smoothed. What is missing from a Ritz vector lies above the cut-off, spread over the rest of the
+    /// spectrum: there p is nothing, and A half its bound on average, as measured.
     fn accepts(&self, theta: f64, residual: f64, tolerance: f64) -> bool {
         let missing = residual / (theta - self.floor).max(f64::MIN_POSITIVE);
-        self.stencil.bound() / 6.0 * missing <= tolerance * self.eigenvalue(theta)
+        let enough = (SMOOTHING * tolerance).min(LARGEST_RESIDUAL).max(3.0 * tolerance);
+        self.stencil.bound() / 2.0 * missing <= enough * self.eigenvalue(theta)
     }
 }
 
-/// `x^T A x` of each column and `|A x - lambda x| / lambda`.
-fn rayleigh_quotients(stencil: &SlicedStencil, vectors: &Tall, wanted: usize) -> (Vec<f64>, Vec<f64>) {
-    let pairs = |block: &Vec<Lanes>| {
-        let mut image = vec![Lanes::ZERO; block.len()];
-        stencil.apply(block, &mut image);
-        let mut energy = [0.0; LANES];
-        for (x, y) in block.iter().zip(&image) {
-            (0..LANES).for_each(|l| energy[l] += x.0[l] * y.0[l]);
+/// `x^T A x` of each column of some blocks and `|A x - lambda x| / lambda`; `work` as in [`Polynomial::apply`].
+fn rayleigh_quotients(
+    stencil: &SlicedStencil,
+    blocks: &mut [Block],
+    work: &mut Block,
+) -> (Vec<f64>, Vec<f64>) {
+    let once = [Step { a: 1.0, x: 0.0, previous: 0.0 }];
+    let tiling = Tiling::new(stencil);
+    let (mut values, mut residuals) = (Vec::new(), Vec::new());
+    for block in blocks {
+        work.resize(block.len(), Lanes::ZERO);
+        waves::run(stencil, tiling, rayon::current_num_threads(), &once, block, work);
+        let energy = sum_over_rows(block, work, |x, y, _| x * y);
+        let square = sum_over_rows(block, work, |x, y, l| (y - energy[l] * x).powi(2));
+        values.extend(energy);
+        residuals.extend((0..LANES).map(|l| square[l].sqrt() / energy[l].max(f64::MIN_POSITIVE)));
+    }
+    (values, residuals)
+}
+
+/// The sum over all rows of a term in the entries x and y of each lane.
+fn sum_over_rows(x: &Block, y: &Block, term: impl Fn(f64, f64, usize) -> f64 + Sync) -> [f64; LANES] {
+    let partial = |(x, y): (&[Lanes], &[Lanes])| {
+        let mut sums = [0.0; LANES];
+        for (x, y) in x.iter().zip(y) {
+            (0..LANES).for_each(|l| sums[l] += term(x.0[l], y.0[l], l));
         }
-        let mut square = [0.0; LANES];
-        for (x, y) in block.iter().zip(&image) {
-            (0..LANES).for_each(|l| square[l] += (y.0[l] - energy[l] * x.0[l]).powi(2));
-        }
-        (energy, std::array::from_fn(|l| square[l].sqrt() / energy[l].max(f64::MIN_POSITIVE)))
+        sums
     };
-    let (values, residuals): (Vec<[f64; LANES]>, Vec<[f64; LANES]>) =
-        vectors.blocks().par_iter().map(pairs).unzip();
-    (values.as_flattened()[..wanted].to_vec(), residuals.as_flattened()[..wanted].to_vec())
+    let partials: Vec<_> = x.par_chunks(SUMMED_ROWS).zip(y.par_chunks(SUMMED_ROWS)).map(partial).collect();
+    partials.iter().fold([0.0; LANES], |sums, part| std::array::from_fn(|l| sums[l] + part[l]))
 }

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use mser3d_laplace::GridStencil;
 use mser3d_shape::VoxelGrid;
-use pulp::{Simd, WithSimd};
+use pulp::Simd;
 
 use crate::tall::{LANES, Lanes};
 
@@ -125,11 +125,6 @@ impl SlicedStencil {
         start as usize..end as usize
     }
 
-    /// `y = A x`.
-    pub fn apply(&self, x: &[Lanes], y: &mut [Lanes]) {
-        pulp::Arch::new().dispatch(Apply { stencil: self, x, y });
-    }
-
     /// A step on the rows of some runs; x and y begin with row `base`.
     #[inline(always)]
     pub fn step<S: Simd>(
@@ -172,22 +167,5 @@ impl SlicedStencil {
                 update([before, centre, last], [&a[i], &b[i], &c[i], &d[i]], &mut targets[i]);
             }
         }
-    }
-}
-
-/// The kernel as pulp wants it: `WithSimd` compiles it for each instruction set.
-struct Apply<'a> {
-    stencil: &'a SlicedStencil,
-    x: &'a [Lanes],
-    y: &'a mut [Lanes],
-}
-
-impl WithSimd for Apply<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let step = Step { a: 1.0, x: 0.0, previous: 0.0 };
-        self.stencil.step(simd, step, self.x, self.y, 0..self.stencil.runs.len(), 0);
     }
 }

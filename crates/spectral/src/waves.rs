@@ -146,7 +146,7 @@ impl Waves<'_> {
     }
 }
 
-/// One thread's part; both buffers hold the rows of its region only.
+/// One thread's part, as pulp wants it: `WithSimd` compiles it for each instruction set. Both buffers hold the rows of its region only.
 struct Part<'a> {
     waves: Waves<'a>,
     region: Region,
