@@ -61,7 +61,7 @@ pub use msv::{MsvParameters, maximally_stable_volumes};
 pub use order::{Polarity, Volumes};
 pub use pool::{PoolParameters, PooledRegion, pool};
 pub use stability::{
-    AltitudeScale, Mode, Selection, SelectionReport, StabilityParameters, StableRegion, stability,
+    AltitudeScale, Merge, Mode, Selection, SelectionReport, StabilityParameters, StableRegion, stability,
     stable_regions,
 };
 pub use topology::Stencil;

@@ -117,7 +117,7 @@ pub fn maximally_stable_volumes(
         } else if above - volume < parameters.min_diversity * above {
             &mut report.overlapping
         } else {
-            kept.push(Candidate { node, stability: 1.0 / variation });
+            kept.push(Candidate { node, stability: 1.0 / variation, merge: None });
             continue;
         };
         *removed += 1;

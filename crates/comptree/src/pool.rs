@@ -45,10 +45,15 @@ pub struct PooledRegion {
 }
 
 /// Pools the regions of several trees on the same vertices, one tree for each time scale, and drops
-/// duplicates: the largest region first, each one goes that overlaps a kept one too much.
+/// duplicates: in order, each one goes that overlaps a kept one too much.
 ///
-/// Regions of different trees can overlap without being nested. Of equal volumes, the region of the
-/// earlier tree comes first.
+/// Parts before a real merge come first, those before which the merge is sharpest
+/// ([`Merge::growth`](crate::Merge::growth)) ahead: of nearly equal regions, these are found again best.
+/// The others follow, the largest ahead. So a part is not lost to a somewhat larger region of another tree
+/// that only happens to be stable.
+///
+/// What is kept is listed by descending volume; of equal volumes, the region of the earlier tree comes
+/// first. Regions of different trees can overlap without being nested.
 ///
 /// Cost: for each pair of regions of like volume, one look at the vertices of the smaller.
 ///
@@ -70,38 +75,55 @@ pub fn pool<'v>(
     if n > 0 {
         volumes.check(n)?;
     }
-    let mut candidates: Vec<(usize, usize, f64)> = Vec::new();
-    for (number, (_, selection)) in trees.iter().enumerate() {
+    let mut candidates = Vec::new();
+    for (number, (tree, selection)) in trees.iter().enumerate() {
         candidates.extend(selection.regions.iter().enumerate().map(|(place, region)| {
-            let vertices = trees[number].0.vertices(region.node);
-            (number, place, vertices.iter().map(|&v| volumes.of(v)).sum())
+            let vertices = tree.vertices(region.node);
+            let volume: f64 = vertices.iter().map(|&v| volumes.of(v)).sum();
+            let growth = region.merge.map_or(1.0, |merge| merge.growth);
+            Candidate { tree: number, region: place, vertices, volume, growth }
         }));
     }
-    candidates.sort_by(|a, b| b.2.total_cmp(&a.2));
+    // The sorts keep the order of equal ones: that of the trees, and of the regions in them.
+    candidates.sort_by(|a, b| b.volume.total_cmp(&a.volume));
+    candidates.sort_by(|a, b| b.growth.total_cmp(&a.growth));
 
-    let mut kept: Vec<PooledRegion> = Vec::new();
-    let mut members: Vec<Members> = Vec::new();
-    for (number, region, volume) in candidates {
-        let (tree, selection) = trees[number];
-        let slice = tree.vertices(selection.regions[region].node);
-        let duplicate = kept.iter().zip(&members).any(|(larger, members)| {
+    let mut kept: Vec<(Candidate<'_>, Members)> = Vec::new();
+    for candidate in candidates {
+        let Candidate { vertices, volume, .. } = candidate;
+        let duplicate = kept.iter().any(|(other, members)| {
             // An overlap is at most the ratio of the volumes.
-            volume >= parameters.duplicate_overlap * larger.volume && {
-                let common: f64 = slice.iter().filter(|&&v| members.has(v)).map(|&v| volumes.of(v)).sum();
-                common >= parameters.duplicate_overlap * (volume + larger.volume - common)
+            volume.min(other.volume) >= parameters.duplicate_overlap * volume.max(other.volume) && {
+                let common: f64 = vertices.iter().filter(|&&v| members.has(v)).map(|&v| volumes.of(v)).sum();
+                common >= parameters.duplicate_overlap * (volume + other.volume - common)
             }
         });
-        if duplicate {
-            continue;
+        if !duplicate {
+            kept.push((candidate, Members::new(n, vertices)));
         }
-        let contains = |i: &usize| kept[*i].volume > volume && slice.iter().all(|&v| members[*i].has(v));
-        let parent = (0..kept.len()).rev().find(contains);
-        let mut vertices = slice.to_vec();
-        vertices.sort_unstable();
-        members.push(Members::new(n, &vertices));
-        kept.push(PooledRegion { tree: number, region, volume, parent, vertices });
     }
-    Ok(kept)
+    kept.sort_by_key(|(candidate, _)| (candidate.tree, candidate.region));
+    kept.sort_by(|(a, _), (b, _)| b.volume.total_cmp(&a.volume));
+    let pooled = kept.iter().enumerate().map(|(place, (candidate, _))| {
+        let &Candidate { tree, region, vertices, volume, .. } = candidate;
+        let contains = |(larger, members): &(Candidate<'_>, Members)| {
+            larger.volume > volume && vertices.iter().all(|&v| members.has(v))
+        };
+        let parent = kept[..place].iter().rposition(contains);
+        let mut vertices = vertices.to_vec();
+        vertices.sort_unstable();
+        PooledRegion { tree, region, volume, parent, vertices }
+    });
+    Ok(pooled.collect())
+}
+
+/// A region that may be kept: its tree, its place there, and what decides.
+struct Candidate<'t> {
+    tree: usize,
+    region: usize,
+    vertices: &'t [u32],
+    volume: f64,
+    growth: f64,
 }
 
 /// A set of vertices, one bit each.

@@ -1,7 +1,7 @@
 //! Facts about stable regions.
 use mser3d_comptree::{
-    AltitudeScale, ComponentTree, Mode, Polarity, PoolParameters, Selection, StabilityParameters, TreeError,
-    pool, stability, stable_regions,
+    AltitudeScale, ComponentTree, Merge, Mode, Polarity, PoolParameters, Selection, StabilityParameters,
+    TreeError, pool, stability, stable_regions,
 };
 use proptest::prelude::*;
 
@@ -96,6 +96,12 @@ fn the_component_before_a_merge_counts_though_one_beside_it_is_more_stable() {
     assert!(whole_legs.iter().all(|leg| steadier(leg.node)), "{regions:?}");
     // Both legs begin at 1 and meet at 4.1; of equal ones the first goes on to the root at 4.1.
     assert!(whole_legs.iter().all(|leg| (leg.persistence - 3.1).abs() < 1e-12));
+    // Each is followed down to half of the minimum volume of 8.1, five vertices at 1.4; the root has 81.
+    let merge = Merge { growth: 81.0 / 40.0, lifetime: 4.1 - 1.4 };
+    for Merge { growth, lifetime } in whole_legs.iter().filter_map(|leg| leg.merge) {
+        assert!((growth - merge.growth).abs() < 1e-12 && (lifetime - merge.lifetime).abs() < 1e-12);
+    }
+    assert!(regions.iter().all(|r| r.merge.is_some() == (r.volume == 40.0)), "{regions:?}");
 }
 
 #[test]
@@ -293,6 +299,32 @@ fn pooled_regions_hold_no_duplicates_and_know_their_origin() {
     assert_eq!(everything.len(), all);
     let other = tree(&[1.0, 2.0]);
     assert!(pool(&[sources[0], (&other, &selections[0])], 1.0, &PoolParameters::default()).is_err());
+}
+
+#[test]
+fn of_near_duplicates_the_part_before_the_sharpest_merge_stands() {
+    // Two legs meet at 9. In the first tree 22 vertices are a leg, in the second 20, in the third 21 that
+    // nothing ends: they are only stable.
+    let leg = |n: usize| {
+        let mut heights = vec![9.0; 61];
+        heights[..n].fill(1.0);
+        heights[31..31 + n].fill(1.0);
+        heights
+    };
+    let trees = [tree(&leg(22)), tree(&leg(20)), tree(&leg(21))];
+    let parameters = open(Mode::Windowed { window: 1.0 });
+    let mut selections = trees.each_ref().map(|tree| {
+        stable_regions(tree, &StabilityParameters { max_volume_fraction: 0.5, ..parameters }).unwrap()
+    });
+    selections[2].regions.iter_mut().for_each(|region| region.merge = None);
+    let sizes = |which: &[usize]| -> Vec<usize> {
+        let sources: Vec<_> = which.iter().map(|&i| (&trees[i], &selections[i])).collect();
+        let pooled = pool(&sources, 1.0, &PoolParameters::default()).unwrap();
+        pooled.iter().map(|region| region.vertices.len()).collect()
+    };
+    assert_eq!(sizes(&[0, 1, 2]), [20, 20]);
+    assert_eq!(sizes(&[2, 0]), [22, 22]);
+    assert_eq!(sizes(&[2]), [21, 21]);
 }
 
 proptest! {

@@ -1,4 +1,4 @@
-use super::Levels;
+use super::{Levels, Merge};
 use crate::ComponentTree;
 
 /// A chain of nodes between two real merges, from the smallest up, with strictly rising levels.
@@ -9,8 +9,8 @@ pub(super) struct Branch {
     pub volumes: Vec<f64>,
     /// The level of the merge that ends it; for a root's branch its last level.
     pub end: f64,
-    /// Whether a real merge ends it, not the end of the whole tree.
-    pub merges: bool,
+    /// The real merge that ends it; none where the whole tree ends.
+    pub merge: Option<Merge>,
 }
 
 /// Visits each branch whose top has at least the volume `smallest`.
@@ -31,7 +31,6 @@ pub(super) fn for_each(levels: &Levels<'_>, smallest: f64, mut visit: impl FnMut
         }
         branch.nodes.reverse();
         // Altitudes that differ can have one level at the ends of the scale: the largest node counts.
-        let parent_level = tree.parent(top).map(|p| levels.of(p));
         branch.levels.clear();
         let mut kept = 0;
         for at in 0..branch.nodes.len() {
@@ -47,8 +46,12 @@ pub(super) fn for_each(levels: &Levels<'_>, smallest: f64, mut visit: impl FnMut
         branch.nodes.truncate(kept);
         branch.volumes.clear();
         branch.volumes.extend(branch.nodes.iter().map(|&node| tree.volume(node)));
-        branch.end = parent_level.unwrap_or(branch.levels[kept - 1]);
-        branch.merges = parent_level.is_some();
+        let parent = tree.parent(top);
+        branch.end = parent.map_or(branch.levels[kept - 1], |p| levels.of(p));
+        branch.merge = parent.map(|p| Merge {
+            growth: tree.volume(p) / tree.volume(top),
+            lifetime: branch.end - branch.levels[0],
+        });
         visit(&branch);
     }
 }

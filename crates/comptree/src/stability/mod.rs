@@ -21,12 +21,30 @@ pub struct StableRegion {
     pub stability: f64,
     /// How long the part that the region belongs to stays on its own: from its first vertex to the merge
     /// with a component that began earlier, in units of the altitude on the chosen scale
-    /// ([`ComponentTree::persistence`]). Another score to rank regions by.
+    /// ([`ComponentTree::persistence`]). What joined it on the way counts as it.
     pub persistence: f64,
+    /// The real merge that ends it, if it is the last component before one; only in
+    /// [`Mode::Windowed`], which knows them.
+    pub merge: Option<Merge>,
     /// The sum of the volumes of its vertices.
     pub volume: f64,
     /// The smallest selected region that contains this one, as a place in [`Selection::regions`].
     pub parent: Option<usize>,
+}
+
+/// The real merge before which a region is a part of its own, such as a limb before it joins the body.
+///
+/// Where such a part ends is decided by the shape, at a saddle of the weight, not by how fast it grows there;
+/// so it is found again more surely than a maximum of stability along a branch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Merge {
+    /// How many times larger the merged component is, more than 1. Of several nearly equal regions, the one
+    /// with the largest is cut off the most sharply; [`pool`](crate::pool()) keeps that.
+    pub growth: f64,
+    /// How long the part lasts: from the real merge it came from (or from where it had half of the minimum
+    /// volume) to the one that ends it, in units of the altitude on the chosen scale. The score to rank
+    /// regions by: those that last longest first, then those without a merge.
+    pub lifetime: f64,
 }
 
 /// The stable regions of a tree: any two are nested or disjoint.
@@ -63,6 +81,7 @@ pub struct SelectionReport {
 pub(crate) struct Candidate {
     pub node: u32,
     pub stability: f64,
+    pub merge: Option<Merge>,
 }
 
 /// Selects the maximally stable components of a tree.
@@ -152,7 +171,7 @@ fn nest(
     let persistence = tree.persistence_of(|node| levels.of(node));
     let mut regions: Vec<StableRegion> = Vec::new();
     let mut ancestors: Vec<usize> = Vec::new();
-    for Candidate { node, stability } in candidates {
+    for Candidate { node, stability, merge } in candidates {
         while ancestors.pop_if(|&mut a| !tree.contains(regions[a].node, node)).is_some() {}
         let parent = ancestors.last().copied();
         let volume = tree.volume(node);
@@ -161,7 +180,7 @@ fn nest(
         }
         ancestors.push(regions.len());
         let (altitude, persistence) = (tree.altitude(node), persistence[node as usize]);
-        regions.push(StableRegion { node, altitude, stability, persistence, volume, parent });
+        regions.push(StableRegion { node, altitude, stability, persistence, merge, volume, parent });
     }
     let mut order: Vec<usize> = (0..regions.len()).collect();
     order.sort_unstable_by(|&a, &b| {

@@ -32,7 +32,7 @@ pub(super) fn maxima(levels: &Levels<'_>) -> Vec<Candidate> {
     };
     (0..tree.len() as u32)
         .filter(|&node| exceeds_parent(node) && !below[node as usize])
-        .map(|node| Candidate { node, stability: stability[node as usize] })
+        .map(|node| Candidate { node, stability: stability[node as usize], merge: None })
         .collect()
 }
 
@@ -54,5 +54,8 @@ pub(super) fn with_larger_parent(tree: &ComponentTree, by: f64) -> Vec<Candidate
     let kept = |&node: &u32| {
         tree.parent(node).is_none_or(|parent| tree.volume(parent) >= (1.0 + by) * tree.volume(node))
     };
-    (0..tree.len() as u32).filter(kept).map(|node| Candidate { node, stability: f64::NAN }).collect()
+    (0..tree.len() as u32)
+        .filter(kept)
+        .map(|node| Candidate { node, stability: f64::NAN, merge: None })
+        .collect()
 }

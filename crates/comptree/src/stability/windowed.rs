@@ -25,9 +25,9 @@ pub(super) fn maxima(levels: &Levels<'_>, window: f64, smallest: f64) -> Vec<Can
             let beside = plateau.start.saturating_sub(1)..(i + 2).min(instability.len());
             let least =
                 plateau.map(|j| least[j]).chain(beside.map(|j| instability[j])).fold(f64::INFINITY, f64::min);
-            let before_merge = branch.merges && i + 1 == instability.len();
-            if before_merge || instability[i] <= least * (1.0 + TIE) {
-                candidates.push(Candidate { node: branch.nodes[i], stability: 1.0 / instability[i] });
+            let merge = branch.merge.filter(|_| i + 1 == instability.len());
+            if merge.is_some() || instability[i] <= least * (1.0 + TIE) {
+                candidates.push(Candidate { node: branch.nodes[i], stability: 1.0 / instability[i], merge });
             }
         }
     });
