@@ -45,7 +45,7 @@ fn every_weight_finds_both_arms_in_the_volume_and_on_the_surface() {
         for domain in [Domain::Volume, Domain::Surface] {
             let features = detect(&mesh, domain, &parameters, &no_progress).unwrap();
             assert_consistent(&features);
-            assert_eq!(features.trees.len(), if weight.has_time_scale() { 4 } else { 1 });
+            assert_eq!(features.trees.len(), if weight.has_time_scale() { 2 } else { 1 });
             let [right, left] = reach(&features);
             assert!(features.regions.len() >= 8, "{weight:?} {domain:?}: {}", features.regions.len());
             assert!(right < -0.3 && left > 0.3, "{weight:?} {domain:?}: {right} {left}");

@@ -25,7 +25,7 @@ pub struct RegionOptions {
     #[arg(long, value_enum, default_value_t = WeightArg::Heat, help_heading = "Method")]
     pub weight: WeightArg,
     /// Time scales, in units of volume^(2/3) (surface: area); one tree each, regions pooled
-    #[arg(long, value_name = "T_REL,...", value_delimiter = ',', default_values_t = [0.25, 0.5, 1.0, 2.0],
+    #[arg(long, value_name = "T_REL,...", value_delimiter = ',', default_values_t = [0.25, 2.0],
           value_parser = positive, help_heading = "Method")]
     pub time_scale: Vec<f64>,
     /// Time scales in squared units of the input's coordinates, instead of --time-scale

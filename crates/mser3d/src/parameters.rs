@@ -61,7 +61,9 @@ pub struct Parameters {
     pub weight: Weight,
     /// Which way the tree grows. Default: none, the weight's own [`Weight::polarity`].
     pub polarity: Option<Polarity>,
-    /// One tree for each time scale. Default: 0.25, 0.5, 1 and 2, relative to the shape's size.
+    /// One tree for each time scale. Default: 0.25 and 2, relative to the shape's size. They are far apart on
+    /// purpose: a region changes gradually with time, so scales in between add near repetitions, and on
+    /// each shape another one of them would be kept.
     pub time_scales: Vec<TimeScale>,
     /// The volume (or area) that relative time scales and descriptors refer to, in length^3 (or
     /// length^2). Give all poses of a body the measure of one of them. Default: none, each its own.
@@ -81,7 +83,7 @@ impl Default for Parameters {
             spectrum: SpectrumParameters::default(),
             weight: Weight::default(),
             polarity: None,
-            time_scales: [0.25, 0.5, 1.0, 2.0].map(TimeScale::Relative).to_vec(),
+            time_scales: [0.25, 2.0].map(TimeScale::Relative).to_vec(),
             reference_measure: None,
             stability: StabilityParameters::default(),
             pool: PoolParameters::default(),

@@ -1,7 +1,7 @@
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use mser3d_comptree::{ComponentTree, Selection, pool, stable_regions};
+use mser3d_comptree::{ComponentTree, Merge, Selection, pool, stable_regions};
 use mser3d_descriptors::TimeScale;
 use mser3d_shape::Eigenbasis;
 use rayon::prelude::*;
@@ -23,8 +23,11 @@ pub struct Region {
     /// Volume over its change with log altitude (eq. 5); infinite if it does not change over the
     /// window, NaN in the baseline mode, which measures none.
     pub stability: f64,
-    /// How long its part stays on its own, in log altitude: a second score to rank regions by.
+    /// How long its part stays on its own, in log altitude, smaller parts that join it included.
     pub persistence: f64,
+    /// The real merge that ends it, if it is the last component before one. Its lifetime is the score to
+    /// rank regions by: those that last longest are found again most surely, those without a merge come last.
+    pub merge: Option<Merge>,
     /// Volume in length^3, or area in length^2.
     pub volume: f64,
     /// Volume over that of the whole body.
@@ -118,6 +121,7 @@ pub fn find_regions(
                 altitude: stable.altitude,
                 stability: stable.stability,
                 persistence: stable.persistence,
+                merge: stable.merge,
                 volume: region.volume,
                 volume_fraction: region.volume / measure,
                 vertices: vertices.map(|(v, _)| v).collect(),

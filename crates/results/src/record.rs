@@ -56,6 +56,9 @@ pub struct RegionRecord {
     /// null where none was measured (NaN).
     #[serde(with = "stability")]
     pub stability: f64,
+    /// How long it lasts before the real merge that ends it, in log altitude; none where no merge does.
+    #[serde(default)]
+    pub lifetime: Option<f64>,
     /// Volume in length^3, or area in length^2.
     pub volume: f64,
     /// Volume over that of the whole body.
@@ -81,6 +84,7 @@ impl Record {
             tree: r.tree as u32,
             altitude: r.altitude,
             stability: r.stability,
+            lifetime: r.merge.map(|merge| merge.lifetime),
             volume: r.volume,
             volume_fraction: r.volume_fraction,
             voxels: volume.then_some(r.elements.len()),
@@ -187,6 +191,7 @@ mod tests {
             tree: 0,
             altitude: 0.5,
             stability: 2.5,
+            lifetime: Some(0.5),
             volume: 1.0,
             volume_fraction: 0.1,
             voxels: None,

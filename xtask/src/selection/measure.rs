@@ -15,6 +15,8 @@ pub struct Found {
 /// By what regions are ranked.
 #[derive(Clone, Copy)]
 pub enum Score {
+    /// How long a part lasts before a real merge.
+    Lifetime,
     Stability,
     Persistence,
     Volume,
@@ -24,6 +26,7 @@ impl Found {
     /// The places of the `count` best regions. Where a score says nothing, the larger region is better.
     fn best(&self, score: Score, count: usize) -> Vec<usize> {
         let value = |i: usize| match score {
+            Score::Lifetime => self.regions[i].merge.map_or(f64::NAN, |merge| merge.lifetime),
             Score::Stability => self.regions[i].stability,
             Score::Persistence => self.regions[i].persistence,
             Score::Volume => self.regions[i].volume,
