@@ -8,7 +8,7 @@
 
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use mser3d_laplace::aggregate_grid;
 use mser3d_shape::VoxelGrid;
@@ -104,14 +104,12 @@ pub(crate) fn filtered_eigenpairs(
     let (mut applications, mut restarts) = (0, 0);
     // How much an estimated residual must be below the tolerance; more, if the true one comes out above it.
     let mut margin = 1.0;
-    let most = AtomicUsize::new(0);
     let mut work = Block::new();
     let cancelled = AtomicBool::new(false);
     loop {
         let filter = Filter::new(&stencil, cutoff, &cancelled);
         let report = |converged: usize| {
-            let most = most.fetch_max(converged, Ordering::Relaxed).max(converged);
-            let go_on = progress(zeros + most).is_continue();
+            let go_on = progress(zeros + converged).is_continue();
             cancelled.store(!go_on, Ordering::Relaxed);
             go_on
         };

@@ -44,6 +44,7 @@ mod filter;
 mod lanczos;
 mod parameters;
 mod parts;
+mod progress;
 mod shift_invert;
 mod solve;
 mod standard;

@@ -12,6 +12,7 @@ use crate::extent::all_below;
 use crate::factor::Elimination;
 use crate::filter::{basis_columns, coarse_factor, filtered_eigenpairs};
 use crate::parts::{members, merge};
+use crate::progress::Heard;
 use crate::shift_invert::{self, Pairs, Task, inverse_eigenpairs};
 use crate::standard::{StandardProblem, dense_eigenpairs, unit_eigenvalue};
 use crate::tall::{LANES, Tall};
@@ -22,7 +23,7 @@ const DENSE_ROWS: usize = 400;
 
 /// The smallest eigenpairs of `W phi = lambda M phi`.
 ///
-/// `progress` hears the number of converged eigenpairs now and then, and may break to cancel.
+/// `progress` hears the number of converged eigenpairs now and then, at the end that of all, and may break to cancel.
 ///
 /// Cost: a few sparse factorizations, then 3 k solves at most and `O(n k^2)` for orthogonality.
 ///
@@ -38,12 +39,16 @@ pub fn smallest_eigenpairs(
     let bodies = members(&operator.components(), |row| operator.mass()[row] > 0.0);
     let available = bodies.iter().map(Vec::len).sum();
     let solve = |k: usize| {
-        if bodies.len() > 1 {
-            return merge(operator.domain(), operator.mass(), &bodies, k, |body, count| {
-                connected_eigenpairs(&operator.restrict(&bodies[body]), count, parameters, progress)
-            });
-        }
-        connected_eigenpairs(operator, k, parameters, progress)
+        let heard = Heard::new(k, progress);
+        let spectrum = if bodies.len() > 1 {
+            merge(operator.domain(), operator.mass(), &bodies, k, |body, count| {
+                let part = operator.restrict(&bodies[body]);
+                heard.next(count, |progress| connected_eigenpairs(&part, count, parameters, progress))
+            })
+        } else {
+            heard.next(k, |progress| connected_eigenpairs(operator, k, parameters, progress))
+        };
+        heard.end(spectrum)
     };
     match parameters.eigenpairs {
         Extent::Count(k) if k > available => {
@@ -125,13 +130,16 @@ pub fn smallest_eigenpairs_of_grid(
     check_size(cell, grid.frame().spacing().iter().map(|h| 1.0 / (h * h)).sum())?;
     let bodies = members(&grid.components(), |_| true);
     let solve = |k: usize| {
-        if bodies.len() > 1 {
-            return merge(Domain::Volume, &vec![cell; n], &bodies, k, |body, count| {
+        let heard = Heard::new(k, progress);
+        let spectrum = if bodies.len() > 1 {
+            merge(Domain::Volume, &vec![cell; n], &bodies, k, |body, count| {
                 let part = grid.restrict(|v| bodies[body].binary_search(&v).is_ok());
-                connected_grid_eigenpairs(&part, count, parameters, progress)
-            });
-        }
-        connected_grid_eigenpairs(grid, k, parameters, progress)
+                heard.next(count, |progress| connected_grid_eigenpairs(&part, count, parameters, progress))
+            })
+        } else {
+            heard.next(k, |progress| connected_grid_eigenpairs(grid, k, parameters, progress))
+        };
+        heard.end(spectrum)
     };
     match parameters.eigenpairs {
         Extent::Count(k) if k > n => Err(SpectralError::TooManyEigenpairs { requested: k, available: n }),

@@ -271,3 +271,35 @@ fn cancelling_ends_the_work() {
     let result = smallest_eigenpairs(&operator, &SpectrumParameters::default(), &|_| ControlFlow::Break(()));
     assert_eq!(result.unwrap_err(), SpectralError::Cancelled);
 }
+
+#[test]
+fn progress_never_goes_back_and_ends_at_all() {
+    let body = solid([24, 60, 16], [1.0; 3], |c| c[1] < 30.0 || c[0] < 12.0);
+    let two = solid([50, 40, 14], [1.0; 3], |c| c[0] < 28.0 || c[0] > 30.0);
+    assert_eq!((body.component_count(), two.component_count()), (1, 2));
+    let cube = solid([16; 3], [1.0; 3], |_| true);
+    let parameters = SpectrumParameters { eigenpairs: 30.into(), ..Default::default() };
+    let heard = std::sync::Mutex::new(Vec::new());
+    let hear = |converged: usize| {
+        heard.lock().unwrap().push(converged);
+        ControlFlow::Continue(())
+    };
+    let solvers: [&dyn Fn() -> Spectrum; 4] = [
+        &|| smallest_eigenpairs_of_grid(&body, &parameters, &hear).unwrap(),
+        &|| smallest_eigenpairs_of_grid(&two, &parameters, &hear).unwrap(),
+        &|| smallest_eigenpairs(&grid_laplacian(&cube), &parameters, &hear).unwrap(),
+        &|| smallest_eigenpairs(&grid_laplacian(&two), &parameters, &hear).unwrap(),
+    ];
+    let mut names = Vec::new();
+    for solve in solvers {
+        names.push(solve().report.solver);
+        let heard = std::mem::take(&mut *heard.lock().unwrap());
+        assert!(heard.is_sorted(), "{heard:?}");
+        assert!(heard.len() > 4 && heard[0] < 30, "{heard:?}");
+        assert_eq!(heard.last(), Some(&30));
+    }
+    assert_eq!(
+        names,
+        ["filtered Lanczos", "filtered Lanczos", "shift-invert Lanczos", "shift-invert Lanczos"]
+    );
+}
