@@ -114,7 +114,7 @@ fn connected_eigenpairs(
 /// The smallest eigenpairs of a voxel grid's Laplacian ([`mser3d_laplace::grid_laplacian`]), by the
 /// solver that suits it: from a few thousand voxels on a polynomial filter that needs no matrix.
 ///
-/// Cost of the filter, measured: `9.5 n^(4/3) k^(2/3)` stencil updates of 0.3 to 0.5 ns and `20 n k^2` flops;
+/// Cost of the filter, measured: `9.5 n^(4/3) k^(2/3)` stencil updates of 0.25 to 0.5 ns and `20 n k^2` flops;
 /// memory for about 2.5 k vectors. `progress` as in [`smallest_eigenpairs`].
 ///
 /// # Errors

@@ -23,6 +23,8 @@ use crate::tall::Lanes;
 /// Bytes that the slices of a wave may fill of a core's second-level cache, where they stay without being asked
 /// for, and of its share of the third-level cache.
 const WAVE_BYTES: [usize; 2] = [400 << 10, 6 << 20];
+/// Bytes that the steps of a tile may fill: part of them lie in the second-level cache.
+const TILE_BYTES: usize = 2 << 20;
 /// Fewer steps in the second-level cache than in the third are worth it; more than the most gain nothing.
 const FEWEST_STEPS: [usize; 2] = [4, 8];
 const MOST_STEPS: usize = 16;
@@ -46,8 +48,8 @@ impl Tiling {
                 return Self { steps: steps.min(MOST_STEPS), lines: whole };
             }
         }
-        let [steps, bytes] = [FEWEST_STEPS[1], WAVE_BYTES[1]];
-        let lines = stencil.lines() * bytes / (slice * (steps + 2));
+        let steps = FEWEST_STEPS[1];
+        let lines = stencil.lines() * TILE_BYTES / (slice * (steps + 2));
         Self { steps, lines: lines.max(steps) }
     }
 }
