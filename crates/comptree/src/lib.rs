@@ -43,7 +43,6 @@ mod export;
 mod filter;
 mod grey;
 mod layout;
-mod memory;
 mod msv;
 mod order;
 mod petgraph;

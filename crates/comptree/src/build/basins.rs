@@ -4,7 +4,6 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use rayon::prelude::*;
 
 use super::relief::Relief;
-use crate::memory::filled;
 
 /// Marks a pointer that has become the number of a basin.
 const FOUND: u32 = 1 << 31;
@@ -23,7 +22,7 @@ pub(super) struct Basins {
 /// end, leads to the same minimum.
 pub(super) fn find<R: Relief>(relief: &R, parts: usize) -> Basins {
     let ranges = relief.split(parts);
-    let pointers: Vec<AtomicU32> = filled(relief.len()).into_iter().map(AtomicU32::new).collect();
+    let pointers: Vec<AtomicU32> = vec![0; relief.len()].into_iter().map(AtomicU32::new).collect();
     let point = |range: &Range<usize>| {
         let mut minima = Vec::new();
         relief.descend(range.clone(), |v, target| {

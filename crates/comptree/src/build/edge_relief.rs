@@ -4,7 +4,6 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::relief::Relief;
-use crate::memory::filled;
 use crate::topology::Topology;
 use crate::{Polarity, TreeError};
 
@@ -134,7 +133,7 @@ impl<'a, T: Topology, W: Fn(u32, u32) -> f64 + Sync> EdgeRelief<Weighed<'a, T, W
         polarity: Polarity,
         parts: usize,
     ) -> Result<Self, TreeError> {
-        let (mut levels, mut to) = (filled(topology.len()), filled::<u32>(topology.len()));
+        let (mut levels, mut to) = (vec![0.0; topology.len()], vec![0u32; topology.len()]);
         let mut ranges = Vec::new();
         let (mut rest_levels, mut rest_to) = (&mut levels[..], &mut to[..]);
         for range in topology.split(parts) {

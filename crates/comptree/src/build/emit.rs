@@ -9,7 +9,6 @@ use super::relief::Relief;
 use super::segments::{Extent, Segment, Segments, in_blocks};
 use super::sorted::Sorted;
 use crate::Polarity;
-use crate::memory::filled;
 use crate::tree::Nodes;
 
 /// Makes nodes of the sorted vertices. `memory`, one entry for each vertex, becomes part of the tree.
@@ -58,10 +57,10 @@ struct Output {
 impl Output {
     fn new(total: Extent, memory: Vec<u32>) -> Self {
         let nodes = total.nodes as usize;
-        let ends = filled(if nodes == memory.len() { 0 } else { nodes });
+        let ends = vec![0; if nodes == memory.len() { 0 } else { nodes }];
         Self {
             vertices: memory.into_iter().map(AtomicU32::new).collect(),
-            altitudes: filled(nodes).into_iter().map(AtomicU64::new).collect(),
+            altitudes: vec![0; nodes].into_iter().map(AtomicU64::new).collect(),
             ends: ends.into_iter().map(AtomicU32::new).collect(),
         }
     }

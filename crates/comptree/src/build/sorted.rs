@@ -5,7 +5,6 @@ use rayon::prelude::*;
 
 use super::branches::Branches;
 use super::relief::Relief;
-use crate::memory::filled;
 
 /// Vertices to sort at once, on average.
 const BIN: usize = 256;
@@ -112,7 +111,7 @@ impl Sorted {
             }
             *end = sum;
         }
-        let shared: Vec<AtomicU32> = filled(2 * labels.len()).into_iter().map(AtomicU32::new).collect();
+        let shared: Vec<AtomicU32> = vec![0; 2 * labels.len()].into_iter().map(AtomicU32::new).collect();
         let entries = shared.as_chunks::<2>().0;
         labels.par_chunks(step).zip(&mut cursors).enumerate().for_each(|(part, (labels, cursor))| {
             for (&branch, v) in labels.iter().zip(vertices(part)) {
