@@ -31,7 +31,7 @@ impl ComponentTree {
     /// of their numbers (x fastest, the smaller first): so that vector-valued volumes have trees too. The
     /// function is called several times for an edge and must always give the same weight. No graph is made.
     ///
-    /// Cost: with cheap weights about 200 ns a voxel on one core, 70 bytes a voxel at the peak.
+    /// Cost: with cheap weights about 250 ns a voxel on one core, 80 bytes a voxel at the peak.
     ///
     /// ```
     /// use mser3d_comptree::{ComponentTree, Polarity, Stencil};

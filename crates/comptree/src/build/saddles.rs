@@ -35,12 +35,16 @@ impl Saddle {
 pub(super) fn find<R: Relief>(relief: &R, basins: &Basins, parts: usize) -> Vec<Saddle> {
     let count = basins.minima.len();
     let tiles = relief.split_edges(parts.max(relief.len() / TILE));
-    let thinned = |numbers: &mut Numbers, tile: &Range<usize>| {
-        let found = between(relief, &basins.labels, tile.clone());
-        numbers.forest(found)
+    let mut saddles = if let [tile] = &tiles[..] {
+        forest(between(relief, &basins.labels, tile.clone()), count)
+    } else {
+        let thinned = |numbers: &mut Numbers, tile: &Range<usize>| {
+            let found = between(relief, &basins.labels, tile.clone());
+            numbers.forest(found)
+        };
+        let found: Vec<_> = tiles.par_iter().map_init(|| Numbers::new(count), thinned).collect();
+        found.concat()
     };
-    let found: Vec<Vec<Saddle>> = tiles.par_iter().map_init(|| Numbers::new(count), thinned).collect();
-    let mut saddles = found.concat();
     sort(&mut saddles, parts);
     saddles
 }
