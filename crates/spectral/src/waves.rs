@@ -75,7 +75,9 @@ pub(crate) fn run(
     });
     let waves = Waves { stencil, lines: tiling.lines, steps };
     waves.run(parts.collect(), first, second);
-    let middles: Vec<usize> = ends.windows(2).map(|ends| ends[0].midpoint(ends[1])).collect();
+    let mut middles: Vec<usize> = ends.windows(2).map(|ends| ends[0].midpoint(ends[1])).collect();
+    // The first seam and the last may go to the end.
+    (middles[0], middles[cuts.len()]) = (0, count);
     let seams = middles.windows(2).zip(&cuts).map(|(middles, &cut)| Region {
         slices: middles[0]..middles[1],
         start: cut..cut,
@@ -85,17 +87,18 @@ pub(crate) fn run(
     waves.run(seams.collect(), first, second);
 }
 
-/// Slices that part the rows for up to `parts` threads, each part thicker than two waves.
+/// Slices that part the rows for up to `parts` threads. There is a cut for each thread, so that the seams are
+/// shared as evenly as the rest: inner parts are twice as large as the two at the ends, which share a thread.
 fn cuts(stencil: &SlicedStencil, parts: usize, steps: usize) -> Vec<usize> {
     let count = stencil.slices();
-    let thinnest = 2 * (steps + 1);
-    let parts = parts.min(count / thinnest).max(1);
-    let mut cuts: Vec<usize> = Vec::with_capacity(parts);
-    for part in 1..parts {
-        let row = stencil.len() * part / parts;
+    let end = steps + 1;
+    let wanted = if parts > 1 { parts.min(count / (2 * end)) } else { 0 };
+    let mut cuts: Vec<usize> = Vec::with_capacity(wanted);
+    for cut in 0..wanted {
+        let row = stencil.len() * (2 * cut + 1) / (2 * wanted);
         let slice = (0..count).take_while(|&slice| stencil.first_row(slice) < row).count();
-        let least = cuts.last().map_or(0, |&cut| cut) + thinnest;
-        cuts.push(slice.clamp(least, count - (parts - part) * thinnest));
+        let least = cuts.last().map_or(end, |&cut| cut + 2 * end);
+        cuts.push(slice.clamp(least, count - (wanted - cut - 1) * 2 * end - end));
     }
     cuts
 }
