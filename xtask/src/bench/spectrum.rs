@@ -34,7 +34,7 @@ pub struct Arguments {
     /// Threads of our solvers, one row each; peers get the first
     #[arg(long, value_delimiter = ',', default_value = "1,2")]
     threads: Vec<usize>,
-    /// How often each solver runs on cases up to 100,000 rows; once on larger ones
+    /// How often each solver runs on cases up to 500,000 rows; once on larger ones
     #[arg(long, default_value_t = 3)]
     repeat: usize,
     /// One repetition, no case above 100,000 rows
@@ -144,7 +144,7 @@ fn run_case(
         write_problem(&folder, &problem, &operator)?;
     }
     drop(problem);
-    let once = arguments.quick || case.is_for_completeness() || case.size() > 100_000;
+    let once = arguments.quick || case.is_for_completeness() || case.size() > 500_000;
     let mut best: Vec<Option<Outcome>> = runs.iter().map(|_| None).collect();
     let mut failed = Vec::new();
     for _ in 0..if once { 1 } else { arguments.repeat } {
