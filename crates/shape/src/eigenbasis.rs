@@ -1,12 +1,14 @@
 use crate::ShapeError;
 
-/// What a Laplacian lives on: it fixes the exponents of the paper's formulas and the units.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Domain {
-    /// A solid: masses are volumes.
-    Volume,
-    /// A surface: masses are areas.
-    Surface,
+crate::choice! {
+    /// What a Laplacian lives on: it fixes the exponents of the paper's formulas and the units.
+    pub enum Domain("domain") {
+        /// A solid: masses are volumes
+        #[default]
+        Volume = "volume",
+        /// A surface: masses are areas
+        Surface = "surface",
+    }
 }
 
 impl Domain {

@@ -57,14 +57,15 @@ impl Frame {
     }
 }
 
-/// Which voxels are neighbours.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Connectivity {
-    /// Voxels that share a face.
-    #[default]
-    Six,
-    /// Voxels that share a face, an edge or a corner.
-    TwentySix,
+crate::choice! {
+    /// Which voxels are neighbours.
+    pub enum Connectivity("connectivity") {
+        /// Voxels that share a face; in an image, 4 pixels
+        #[default]
+        Six = "6",
+        /// Voxels that share a face, an edge or a corner; in an image, 8 pixels
+        TwentySix = "26",
+    }
 }
 
 /// One of each pair of opposite steps to the 20 neighbours that share only an edge or a corner;
@@ -382,7 +383,7 @@ mod tests {
         let counts: Vec<usize> = (0..3).map(|a| grid.linked_pairs(a).count()).collect();
         assert_eq!(counts, [66 * 4 * 3, 67 * 3 * 3, 67 * 4 * 2]);
         let graph = grid.graph(Connectivity::Six).unwrap();
-        assert_eq!(graph.edge_count(), counts.iter().sum());
+        assert_eq!(graph.edge_count(), counts.iter().sum::<usize>());
         assert_eq!(graph.neighbours(1), [0, 2, 68, 67 * 4 + 1]);
     }
 

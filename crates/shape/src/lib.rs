@@ -4,7 +4,11 @@
 //! * [`VoxelGrid`]: a solid as occupied voxels *and the links between them*, one bit each;
 //! * [`Graph`]: adjacency of voxels or vertices, in compressed rows;
 //! * [`Eigenbasis`]: eigenvalues and M-orthonormal eigenfunctions of a Laplacian;
+//! * [`IndexSet`]: a region as a set of vertices or voxels;
 //! * [`DisjointSets`]: union-find, which components and component trees share.
+//!
+//! And what more than one of them needs: three-[`vector`]s, a random stream ([`SplitMix64`]), named
+//! [`choice!`]s, and the one error for a parameter out of range ([`InvalidParameter`]).
 //!
 //! Everything is checked when it is made, so that the numerical crates can index freely.
 //!
@@ -22,19 +26,28 @@
 #![warn(missing_docs)]
 
 mod bits;
+mod choice;
 mod disjoint_sets;
 mod eigenbasis;
 mod error;
 mod graph;
 mod grid;
+mod index_set;
 mod mesh;
 mod nearest;
+mod parameter;
+mod random;
 mod runs;
+pub mod vector;
 
 pub use bits::{BitGrid, Bits};
+pub use choice::{Choice, UnknownChoice};
 pub use disjoint_sets::DisjointSets;
 pub use eigenbasis::{Domain, Eigenbasis};
 pub use error::ShapeError;
 pub use graph::{Components, Graph};
 pub use grid::{Connectivity, DIAGONALS, Frame, VoxelGrid};
+pub use index_set::{IndexSet, innermost_regions};
 pub use mesh::{BoundingBox, TriangleMesh};
+pub use parameter::InvalidParameter;
+pub use random::SplitMix64;

@@ -118,6 +118,8 @@ impl TriangleMesh {
 
 /// An axis-parallel box.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BoundingBox {
     /// Lowest corner.
     pub min: [f64; 3],
