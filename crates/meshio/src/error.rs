@@ -1,4 +1,5 @@
 use crate::{AnimationInfo, MeshFormat};
+use mser3d_fileio::FileError;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -7,22 +8,9 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshIoError {
-    /// The operating system refused to read.
-    #[error("{}: cannot be read: {source}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// What the operating system said.
-        source: std::io::Error,
-    },
-    /// The operating system refused to write; nothing was left behind.
-    #[error("{}: cannot be written: {source}; check that the folder exists, is writable and has room", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// What the operating system said.
-        source: std::io::Error,
-    },
+    /// The operating system refused to read or to write.
+    #[error(transparent)]
+    File(#[from] FileError),
     /// The extension belongs to no known format.
     #[error("{}: unknown file extension{}; known are {}", path.display(), Guess(*contents), MeshFormat::LIST)]
     UnknownFormat {

@@ -1,4 +1,4 @@
-//! Files of meshes, voxels and arrays to the shapes of mser3d and back.
+//! Mesh files to triangle meshes and back; voxel grids to ParaView.
 //!
 //! | | read | written |
 //! |---|---|---|
@@ -8,7 +8,6 @@
 //! | PLY | ASCII, binary of both byte orders | binary, with normals, colours and regions |
 //! | STL | ASCII, binary | |
 //! | VTP, VTI | | meshes and voxel grids for ParaView |
-//! | NPY, NPZ | masks; arrays | arrays |
 //!
 //! # What holds
 //! * **Vertex i is the i-th vertex of the file** for OBJ, OFF and PLY, whether a face uses it or not
@@ -24,7 +23,7 @@
 //! * A file may hold anything. Damaged ones end in a [`MeshIoError`] that names the file and the line,
 //!   never in a panic; memory is bounded by the size of the file, not by the counts it declares.
 //!   (A glTF scene may show one mesh at many nodes: memory is bounded by what is shown.)
-//! * Files are written to the side and renamed ([`write_atomically`]): nobody sees half of one. The
+//! * Files are written to the side and renamed ([`write_atomically`](mser3d_fileio::write_atomically)): nobody sees half of one. The
 //!   same data make the same bytes.
 //!
 //! # Limits
@@ -69,13 +68,9 @@
 //! ```
 #![warn(missing_docs)]
 
-mod atomic;
 mod error;
 mod format;
 mod gltf;
-mod mask;
-mod npy;
-mod npz;
 mod obj;
 mod off;
 mod ply;
@@ -86,13 +81,9 @@ mod text;
 mod weld;
 mod write;
 
-pub use atomic::write_atomically;
 pub use error::MeshIoError;
 pub use format::MeshFormat;
 pub use gltf::{AnimationInfo, list_animations};
-pub use mask::read_mask;
-pub use npy::{NpyArray, NpyValues, read_npy, write_npy};
-pub use npz::{read_npz, write_npz};
 pub use read::{LoadedMesh, ReadOptions, read_mesh, read_mesh_from};
 pub use write::{
     VertexAttributes, VoxelField, VoxelValues, write_glb, write_off, write_ply, write_vti, write_vtp,

@@ -1,6 +1,7 @@
 use crate::error::Fault;
 use crate::write::check_length;
 use crate::{MeshFormat, MeshIoError, gltf, obj, off, ply, stl};
+use mser3d_fileio::read_bytes;
 use mser3d_shape::TriangleMesh;
 use std::path::Path;
 
@@ -79,7 +80,7 @@ pub(crate) struct Parsed {
 /// file, whatever counts it declares.
 ///
 /// # Errors
-/// Every [`MeshIoError`] but `Write`.
+/// Every [`MeshIoError`] but that of a refused write.
 pub fn read_mesh(path: &Path, options: &ReadOptions) -> Result<LoadedMesh, MeshIoError> {
     let bytes = read_bytes(path)?;
     read_mesh_from(MeshFormat::of(path, &bytes)?, &bytes, path, options)
@@ -89,7 +90,7 @@ pub fn read_mesh(path: &Path, options: &ReadOptions) -> Result<LoadedMesh, MeshI
 /// otherwise only serves messages.
 ///
 /// # Errors
-/// Every [`MeshIoError`] but `Write`.
+/// Every [`MeshIoError`] but that of a refused write.
 pub fn read_mesh_from(
     format: MeshFormat,
     bytes: &[u8],
@@ -125,10 +126,6 @@ pub fn read_mesh_from(
     }
     let mesh = TriangleMesh::new(vertices, triangles).map_err(|e| fault(Fault::new(e.to_string())))?;
     Ok(LoadedMesh { mesh, format, weld, polygons, notes })
-}
-
-pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, MeshIoError> {
-    std::fs::read(path).map_err(|source| MeshIoError::Read { path: path.to_path_buf(), source })
 }
 
 /// A note about things that were counted, if there were any.

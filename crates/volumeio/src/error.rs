@@ -1,18 +1,11 @@
 use crate::VolumeFormat;
+use mser3d_fileio::FileError;
 use std::path::{Path, PathBuf};
 
 /// Why a volume could not be read or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum VolumeIoError {
-    /// The operating system refused to read.
-    #[error("{}: cannot be read: {source}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// What the operating system said.
-        source: std::io::Error,
-    },
     /// The extension belongs to no known format.
     #[error("{}: unknown file extension for a volume; known are {}", path.display(), VolumeFormat::LIST)]
     UnknownFormat {
@@ -41,9 +34,9 @@ pub enum VolumeIoError {
         /// What is wrong.
         reason: String,
     },
-    /// A NumPy file could not be read, or a file not be written.
+    /// The operating system refused to read or to write, or a NumPy file is broken.
     #[error(transparent)]
-    File(#[from] mser3d_meshio::MeshIoError),
+    File(#[from] FileError),
 }
 
 /// What a parser finds wrong, before the path is known.
@@ -66,7 +59,7 @@ impl Fault {
     pub fn in_file(self, path: &Path) -> VolumeIoError {
         let path = path.to_path_buf();
         match self {
-            Self::Io(source) => VolumeIoError::Read { path, source },
+            Self::Io(source) => VolumeIoError::File(FileError::Read { path, source }),
             Self::Invalid(reason) => VolumeIoError::Invalid { path, reason },
             Self::Unsupported(reason) => VolumeIoError::Unsupported { path, reason },
         }

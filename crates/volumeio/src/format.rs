@@ -58,8 +58,8 @@ impl fmt::Display for VolumeFormat {
 /// Reads a volume from a file; its name says the format.
 ///
 /// # Errors
-/// [`VolumeIoError::Read`], [`VolumeIoError::UnknownFormat`], [`VolumeIoError::Invalid`],
-/// [`VolumeIoError::Unsupported`], and [`VolumeIoError::File`] for NumPy files.
+/// [`VolumeIoError::File`], [`VolumeIoError::UnknownFormat`], [`VolumeIoError::Invalid`],
+/// [`VolumeIoError::Unsupported`].
 pub fn read_volume(path: &Path) -> Result<Volume, VolumeIoError> {
     let format =
         VolumeFormat::of(path).ok_or_else(|| VolumeIoError::UnknownFormat { path: path.to_path_buf() })?;

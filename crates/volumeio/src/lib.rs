@@ -27,6 +27,7 @@
 
 mod error;
 mod format;
+mod mask;
 mod nifti;
 mod npy;
 mod nrrd;
@@ -36,6 +37,7 @@ mod volume;
 
 pub use error::VolumeIoError;
 pub use format::{VolumeFormat, read_volume};
+pub use mask::read_mask;
 pub use nifti::write_nifti;
 pub use npy::write_npy;
 pub use samples::Values;

@@ -9,7 +9,7 @@ use crate::{Values, VolumeIoError};
 use flate2::Compression;
 use flate2::read::MultiGzDecoder;
 use flate2::write::GzEncoder;
-use mser3d_meshio::write_atomically;
+use mser3d_fileio::write_atomically;
 use std::io::{BufRead, Read, Write};
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! Arrays of NumPy, the first axis x.
 use crate::error::Fault;
 use crate::{Placement, Values, Volume, VolumeIoError};
-use mser3d_meshio::{NpyArray, NpyValues, read_npy};
+use mser3d_fileio::{NpyArray, NpyValues, read_npy};
 use std::path::Path;
 
 pub(crate) fn read(path: &Path) -> Result<Volume, VolumeIoError> {
@@ -68,7 +68,7 @@ pub fn write_npy(path: &Path, volume: &Volume) -> Result<(), VolumeIoError> {
         Values::F32(v) => NpyArray::new(shape, v),
         Values::F64(v) => NpyArray::new(shape, v),
     }?;
-    Ok(mser3d_meshio::write_npy(path, &array)?)
+    Ok(mser3d_fileio::write_npy(path, &array)?)
 }
 
 #[cfg(test)]

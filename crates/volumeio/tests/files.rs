@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use mser3d_fileio::FileError;
 use mser3d_volumeio::{Placement, Values, Volume, VolumeIoError, read_volume, write_nifti, write_npy};
 use proptest::prelude::*;
 
@@ -71,7 +72,10 @@ fn what_cannot_be_is_refused() {
     let error = write_nifti(&folder.path().join("long.nii"), &long).unwrap_err();
     assert!(matches!(error, VolumeIoError::Unsupported { .. }), "{error}");
     assert!(matches!(read_volume(Path::new("a.obj")), Err(VolumeIoError::UnknownFormat { .. })));
-    assert!(matches!(read_volume(Path::new("nowhere/a.nii")), Err(VolumeIoError::Read { .. })));
+    assert!(matches!(
+        read_volume(Path::new("nowhere/a.nii")),
+        Err(VolumeIoError::File(FileError::Read { .. }))
+    ));
 }
 
 /// A whole file of each format.

@@ -11,11 +11,12 @@ mod skin;
 mod transform;
 
 use crate::error::Fault;
-use crate::read::{Parsed, ReadOptions, note, read_bytes};
+use crate::read::{Parsed, ReadOptions, note};
 use crate::weld::{Weld, collapse};
 use crate::{MeshFormat, MeshIoError};
 use accessor::{Asset, get};
 pub use animation::AnimationInfo;
+use mser3d_fileio::read_bytes;
 use scene::Scene;
 use std::path::Path;
 

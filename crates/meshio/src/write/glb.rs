@@ -1,5 +1,6 @@
 use super::VertexAttributes;
-use crate::{MeshIoError, write_atomically};
+use crate::MeshIoError;
+use mser3d_fileio::write_atomically;
 use mser3d_shape::TriangleMesh;
 use std::fmt::Write as _;
 use std::io::Write;
@@ -9,13 +10,13 @@ use std::path::Path;
 /// given, normals, colours (`COLOR_0`, linear as glTF wants them) and regions (`_REGION`).
 ///
 /// # Errors
-/// [`MeshIoError::Write`]; [`MeshIoError::BadParameter`] for attributes of another length, or a mesh
+/// [`MeshIoError::File`]; [`MeshIoError::BadParameter`] for attributes of another length, or a mesh
 /// that is empty or beyond what f32 and GLB (4 GiB) hold.
 pub fn write_glb(path: &Path, mesh: &TriangleMesh, attributes: &VertexAttributes) -> Result<(), MeshIoError> {
     attributes.check(mesh)?;
     let glb = encode(mesh, attributes)
         .map_err(|reason| MeshIoError::BadParameter { parameter: "mesh", reason: reason.into() })?;
-    write_atomically(path, |out| out.write_all(&glb))
+    Ok(write_atomically(path, |out| out.write_all(&glb))?)
 }
 
 fn encode(mesh: &TriangleMesh, attributes: &VertexAttributes) -> Result<Vec<u8>, &'static str> {

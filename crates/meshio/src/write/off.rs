@@ -1,4 +1,5 @@
-use crate::{MeshIoError, write_atomically};
+use crate::MeshIoError;
+use mser3d_fileio::write_atomically;
 use mser3d_shape::TriangleMesh;
 use std::io::Write;
 use std::path::Path;
@@ -7,7 +8,7 @@ use std::path::Path;
 /// exact.
 ///
 /// # Errors
-/// [`MeshIoError::Write`].
+/// [`MeshIoError::File`].
 pub fn write_off(path: &Path, mesh: &TriangleMesh) -> Result<(), MeshIoError> {
     write_atomically(path, |out| {
         writeln!(out, "OFF\n{} {} 0", mesh.vertices().len(), mesh.triangles().len())?;
@@ -15,5 +16,6 @@ pub fn write_off(path: &Path, mesh: &TriangleMesh) -> Result<(), MeshIoError> {
             writeln!(out, "{x:?} {y:?} {z:?}")?;
         }
         mesh.triangles().iter().try_for_each(|[a, b, c]| writeln!(out, "3 {a} {b} {c}"))
-    })
+    })?;
+    Ok(())
 }

@@ -1,5 +1,6 @@
 use super::VertexAttributes;
-use crate::{MeshIoError, write_atomically};
+use crate::MeshIoError;
+use mser3d_fileio::write_atomically;
 use mser3d_shape::TriangleMesh;
 use std::io::Write;
 use std::path::Path;
@@ -9,7 +10,7 @@ use std::path::Path;
 /// the triangles.
 ///
 /// # Errors
-/// [`MeshIoError::Write`], [`MeshIoError::BadParameter`] for attributes of another length.
+/// [`MeshIoError::File`], [`MeshIoError::BadParameter`] for attributes of another length.
 pub fn write_ply(path: &Path, mesh: &TriangleMesh, attributes: &VertexAttributes) -> Result<(), MeshIoError> {
     attributes.check(mesh)?;
     write_atomically(path, |out| {
@@ -43,5 +44,6 @@ pub fn write_ply(path: &Path, mesh: &TriangleMesh, attributes: &VertexAttributes
             triangle.iter().try_for_each(|v| out.write_all(&v.to_le_bytes()))?;
         }
         Ok(())
-    })
+    })?;
+    Ok(())
 }

@@ -1,6 +1,7 @@
 use super::check_length;
 use super::vtk::{Appended, FLOAT64, INT32, UINT8, VtkFile};
-use crate::{MeshIoError, write_atomically};
+use crate::MeshIoError;
+use mser3d_fileio::write_atomically;
 use mser3d_shape::VoxelGrid;
 use std::io::{self, Write};
 use std::path::Path;
@@ -36,7 +37,7 @@ impl VoxelValues<'_> {
 /// box, x fastest, among them `inside` (1 for occupied voxels, 0 for empty ones).
 ///
 /// # Errors
-/// [`MeshIoError::Write`]; [`MeshIoError::BadParameter`] for a field of another length or with a
+/// [`MeshIoError::File`]; [`MeshIoError::BadParameter`] for a field of another length or with a
 /// name that is taken, empty or in need of escapes.
 pub fn write_vti(path: &Path, grid: &VoxelGrid, fields: &[VoxelField]) -> Result<(), MeshIoError> {
     for (number, field) in fields.iter().enumerate() {
@@ -86,7 +87,7 @@ pub fn write_vti(path: &Path, grid: &VoxelGrid, fields: &[VoxelField]) -> Result
         write: Box::new(|out| each_cell(grid, |voxel| out.write_all(&[voxel.is_some().into()]))),
     });
     file.line("</CellData>\n</Piece>");
-    write_atomically(path, |out| file.write(out))
+    Ok(write_atomically(path, |out| file.write(out))?)
 }
 
 /// Every cell of the box, x fastest, with the number of its voxel if it is occupied.

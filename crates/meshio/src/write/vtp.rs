@@ -1,6 +1,7 @@
 use super::VertexAttributes;
 use super::vtk::{Appended, FLOAT64, INT32, INT64, UINT8, VtkFile};
-use crate::{MeshIoError, write_atomically};
+use crate::MeshIoError;
+use mser3d_fileio::write_atomically;
 use mser3d_shape::TriangleMesh;
 use std::path::Path;
 
@@ -8,7 +9,7 @@ use std::path::Path;
 /// triangles and, where given, point data `region`, `color` and `normal`.
 ///
 /// # Errors
-/// [`MeshIoError::Write`], [`MeshIoError::BadParameter`] for attributes of another length.
+/// [`MeshIoError::File`], [`MeshIoError::BadParameter`] for attributes of another length.
 pub fn write_vtp(path: &Path, mesh: &TriangleMesh, attributes: &VertexAttributes) -> Result<(), MeshIoError> {
     attributes.check(mesh)?;
     let (vertices, triangles) = (mesh.vertices(), mesh.triangles());
@@ -73,5 +74,5 @@ pub fn write_vtp(path: &Path, mesh: &TriangleMesh, attributes: &VertexAttributes
         }),
     });
     file.line("</Polys>\n</Piece>");
-    write_atomically(path, |out| file.write(out))
+    Ok(write_atomically(path, |out| file.write(out))?)
 }

@@ -1,8 +1,7 @@
 //! Arrays as numpy stores them: the `.npy` format, version 1.0 and later.
 
-use crate::error::Fault;
-use crate::read::read_bytes;
-use crate::{MeshIoError, write_atomically};
+use crate::error::{Fault, FileError};
+use crate::file::{read_bytes, write_atomically};
 use std::borrow::Cow;
 use std::io::{self, Write};
 use std::path::Path;
@@ -10,11 +9,11 @@ use std::path::Path;
 /// An array of numbers with its shape, last axis fastest.
 ///
 /// ```
-/// use mser3d_meshio::NpyArray;
+/// use mser3d_fileio::NpyArray;
 /// let voxels = [[0, 0, 0], [1, 0, 0]];
 /// let array = NpyArray::new(&[2, 3], voxels.as_flattened())?;
 /// assert_eq!(array.shape(), [2, 3]);
-/// # Ok::<(), mser3d_meshio::MeshIoError>(())
+/// # Ok::<(), mser3d_fileio::FileError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct NpyArray<'a> {
@@ -26,12 +25,12 @@ impl<'a> NpyArray<'a> {
     /// An array of a shape.
     ///
     /// # Errors
-    /// [`MeshIoError::BadParameter`] when the shape needs another number of values.
-    pub fn new(shape: &[usize], values: impl Into<NpyValues<'a>>) -> Result<Self, MeshIoError> {
+    /// [`FileError::InvalidArray`] when the shape needs another number of values.
+    pub fn new(shape: &[usize], values: impl Into<NpyValues<'a>>) -> Result<Self, FileError> {
         let values = values.into();
         if product(shape) != Some(values.len()) {
             let reason = format!("shape {shape:?} does not fit {} values", values.len());
-            return Err(MeshIoError::BadParameter { parameter: "array", reason });
+            return Err(FileError::InvalidArray { reason });
         }
         Ok(Self { shape: shape.to_vec(), values })
     }
@@ -91,9 +90,9 @@ const MAGIC: &[u8; 6] = b"\x93NUMPY";
 /// Fortran order) instead of the last. `bool` is read as 0 and 1.
 ///
 /// # Errors
-/// [`MeshIoError::Read`]; [`MeshIoError::Invalid`] for a broken or truncated file;
-/// [`MeshIoError::Unsupported`] for other types of numbers, big-endian ones included.
-pub fn read_npy(path: &Path) -> Result<(NpyArray<'static>, bool), MeshIoError> {
+/// [`FileError::Read`]; [`FileError::Invalid`] for a broken or truncated file;
+/// [`FileError::Unsupported`] for other types of numbers, big-endian ones included.
+pub fn read_npy(path: &Path) -> Result<(NpyArray<'static>, bool), FileError> {
     let stored = parse(&read_bytes(path)?).map_err(|fault| fault.in_file(path))?;
     Ok((stored.array, stored.first_axis_fastest))
 }
@@ -101,8 +100,8 @@ pub fn read_npy(path: &Path) -> Result<(NpyArray<'static>, bool), MeshIoError> {
 /// Writes an array as a file that `numpy.load` opens.
 ///
 /// # Errors
-/// [`MeshIoError::Write`].
-pub fn write_npy(path: &Path, array: &NpyArray) -> Result<(), MeshIoError> {
+/// [`FileError::Write`].
+pub fn write_npy(path: &Path, array: &NpyArray) -> Result<(), FileError> {
     write_atomically(path, |out| array.write(out))
 }
 
@@ -202,10 +201,10 @@ pub(crate) struct Stored {
 /// Reads a `.npy` file; trailing bytes are ignored.
 pub(crate) fn parse(bytes: &[u8]) -> Result<Stored, Fault> {
     let truncated =
-        || Fault::new("the .npy file ends within its header; it is truncated; copy or export it again");
+        || Fault::invalid("the .npy file ends within its header; it is truncated; copy or export it again");
     let rest = bytes
         .strip_prefix(MAGIC)
-        .ok_or_else(|| Fault::new("not a .npy file; save the array with numpy.save"))?;
+        .ok_or_else(|| Fault::invalid("not a .npy file; save the array with numpy.save"))?;
     let (version, rest) = rest.split_first_chunk::<2>().ok_or_else(truncated)?;
     let (length, rest) = match version[0] {
         1 => rest.split_first_chunk().map(|(n, rest)| (u16::from_le_bytes(*n) as usize, rest)),
@@ -214,7 +213,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Stored, Fault> {
     .ok_or_else(truncated)?;
     let (header, data) = rest.split_at_checked(length).ok_or_else(truncated)?;
     let header = String::from_utf8_lossy(header);
-    let broken = |what: &str| Fault::new(format!("the .npy header has no legible {what}"));
+    let broken = |what: &str| Fault::invalid(format!("the .npy header has no legible {what}"));
 
     let entry = |key: &str| header.split_once(&format!("'{key}':")).map(|(_, value)| value.trim_start());
     let descriptor = entry("descr").ok_or_else(|| broken("type"))?;
@@ -234,18 +233,15 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Stored, Fault> {
 
     let values = NpyValues::read(if descriptor == "|b1" { "|u1" } else { descriptor }, &[]);
     let size = values.map(|v| v.item_size()).ok_or_else(|| {
-        Fault::unsupported(
-            None,
-            format!(
-                "an array of type {descriptor} is not supported; convert it with .astype to bool, int8, uint8, \
-                 int16, uint16, int32, uint32, int64, float32 or float64"
-            ),
-        )
+        Fault::unsupported(format!(
+            "an array of type {descriptor} is not supported; convert it with .astype to bool, int8, uint8, \
+             int16, uint16, int32, uint32, int64, float32 or float64"
+        ))
     })?;
     let needed = product(&shape).and_then(|n| n.checked_mul(size)).unwrap_or(usize::MAX);
     let data = data.get(..needed).ok_or_else(|| {
         let held = data.len();
-        Fault::new(format!(
+        Fault::invalid(format!(
             "shape {shape:?} needs {needed} bytes, but the file holds {held}; it is truncated; copy or export it again"
         ))
     })?;

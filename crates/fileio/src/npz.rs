@@ -1,7 +1,6 @@
-use crate::error::Fault;
+use crate::error::{Fault, FileError};
+use crate::file::{read_bytes, write_atomically};
 use crate::npy::{self, NpyArray};
-use crate::read::read_bytes;
-use crate::{MeshIoError, write_atomically};
 use std::collections::BTreeMap;
 use std::io::{self, Cursor, Read};
 use std::path::Path;
@@ -11,8 +10,8 @@ use zip::write::SimpleFileOptions;
 /// nothing in the file depends on the clock.
 ///
 /// # Errors
-/// [`MeshIoError::Write`], also for a name given twice.
-pub fn write_npz(path: &Path, arrays: &[(&str, NpyArray)]) -> Result<(), MeshIoError> {
+/// [`FileError::Write`], also for a name given twice.
+pub fn write_npz(path: &Path, arrays: &[(&str, NpyArray)]) -> Result<(), FileError> {
     write_atomically(path, |out| {
         let mut archive = zip::ZipWriter::new(out);
         for (name, array) in arrays {
@@ -31,8 +30,8 @@ pub fn write_npz(path: &Path, arrays: &[(&str, NpyArray)]) -> Result<(), MeshIoE
 /// Reads the arrays of a file written by [`write_npz`] or `numpy.savez` (uncompressed), by name.
 ///
 /// # Errors
-/// [`MeshIoError::Read`], [`MeshIoError::Invalid`], [`MeshIoError::Unsupported`].
-pub fn read_npz(path: &Path) -> Result<BTreeMap<String, NpyArray<'static>>, MeshIoError> {
+/// [`FileError::Read`], [`FileError::Invalid`], [`FileError::Unsupported`].
+pub fn read_npz(path: &Path) -> Result<BTreeMap<String, NpyArray<'static>>, FileError> {
     let bytes = read_bytes(path)?;
     parse(&bytes).map_err(|fault| fault.in_file(path))
 }
@@ -40,9 +39,9 @@ pub fn read_npz(path: &Path) -> Result<BTreeMap<String, NpyArray<'static>>, Mesh
 fn parse(bytes: &[u8]) -> Result<BTreeMap<String, NpyArray<'static>>, Fault> {
     let broken = |e: zip::result::ZipError| match e {
         zip::result::ZipError::UnsupportedArchive(_) => {
-            Fault::unsupported(None, "compressed arrays are not supported; save them with numpy.savez")
+            Fault::unsupported("compressed arrays are not supported; save them with numpy.savez")
         }
-        e => Fault::new(format!("not a whole .npz file: {e}")),
+        e => Fault::invalid(format!("not a whole .npz file: {e}")),
     };
     let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(broken)?;
     let mut arrays = BTreeMap::new();
@@ -50,7 +49,7 @@ fn parse(bytes: &[u8]) -> Result<BTreeMap<String, NpyArray<'static>>, Fault> {
         let mut file = archive.by_index(number).map_err(broken)?;
         let name = file.name().map_err(broken)?.into_owned();
         let name = name.strip_suffix(".npy").unwrap_or(&name).to_owned();
-        let in_array = |reason: String| Fault::new(format!("array {name:?}: {reason}"));
+        let in_array = |reason: String| Fault::invalid(format!("array {name:?}: {reason}"));
         let mut data = Vec::new();
         // Stored, so no array is larger than the file.
         let limit = bytes.len() as u64;

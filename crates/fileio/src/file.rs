@@ -1,7 +1,15 @@
-use crate::MeshIoError;
+use crate::FileError;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
+
+/// Reads a whole file.
+///
+/// # Errors
+/// [`FileError::Read`].
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
+    std::fs::read(path).map_err(|source| FileError::Read { path: path.to_path_buf(), source })
+}
 
 /// Writes a file so that nobody ever sees half of it: into a temporary file of the same folder,
 /// which takes the name when it is complete. After an error or a crash, what was at `path` before
@@ -14,18 +22,18 @@ use std::path::Path;
 /// # let folder = std::env::temp_dir().join(format!("mser3d-atomic-{}", std::process::id()));
 /// # std::fs::create_dir_all(&folder)?;
 /// let path = folder.join("regions.csv");
-/// mser3d_meshio::write_atomically(&path, |out| writeln!(out, "id,volume"))?;
+/// mser3d_fileio::write_atomically(&path, |out| writeln!(out, "id,volume"))?;
 /// assert_eq!(std::fs::read(&path)?, b"id,volume\n");
 /// # std::fs::remove_dir_all(&folder)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors
-/// [`MeshIoError::Write`], also for an error that `write` returns.
+/// [`FileError::Write`], also for an error that `write` returns.
 pub fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
-) -> Result<(), MeshIoError> {
+) -> Result<(), FileError> {
     let attempt = || {
         let there = std::fs::metadata(path).ok().map(|found| found.file_type());
         if there.is_some_and(|kind| !kind.is_file() && !kind.is_dir()) {
@@ -52,7 +60,15 @@ pub fn write_atomically(
         file.persist(path).map_err(|e| e.error)?;
         Ok(())
     };
-    attempt().map_err(|source| MeshIoError::Write { path: path.to_path_buf(), source })
+    attempt().map_err(|source| FileError::Write { path: path.to_path_buf(), source })
+}
+
+/// Writes a whole text by [`write_atomically`].
+///
+/// # Errors
+/// [`FileError::Write`].
+pub fn write_text(path: &Path, text: &str) -> Result<(), FileError> {
+    write_atomically(path, |out| out.write_all(text.as_bytes()))
 }
 
 #[cfg(test)]

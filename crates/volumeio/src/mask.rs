@@ -1,7 +1,6 @@
-use crate::MeshIoError;
+use crate::VolumeIoError;
 use crate::error::Fault;
-use crate::npy::{self, NpyValues};
-use crate::read::read_bytes;
+use mser3d_fileio::{NpyArray, NpyValues, read_npy};
 use mser3d_shape::BitGrid;
 use std::path::Path;
 
@@ -9,34 +8,31 @@ use std::path::Path;
 /// `array[x, y, z]` is not zero inside. Both of numpy's memory orders are read.
 ///
 /// # Errors
-/// [`MeshIoError::Read`]; [`MeshIoError::Invalid`] for other shapes, a truncated file or an empty
-/// mask; [`MeshIoError::Unsupported`] for other types.
-pub fn read_mask(path: &Path) -> Result<BitGrid, MeshIoError> {
-    parse(&read_bytes(path)?).map_err(|fault| fault.in_file(path))
+/// [`VolumeIoError::File`], also for a truncated file; [`VolumeIoError::Invalid`] for other shapes or an
+/// empty mask; [`VolumeIoError::Unsupported`] for other types.
+pub fn read_mask(path: &Path) -> Result<BitGrid, VolumeIoError> {
+    let (array, first_axis_fastest) = read_npy(path)?;
+    mask(&array, first_axis_fastest).map_err(|fault| fault.in_file(path))
 }
 
-fn parse(bytes: &[u8]) -> Result<BitGrid, Fault> {
-    let stored = npy::parse(bytes)?;
-    let &[nx, ny, nz] = stored.array.shape() else {
-        let axes = stored.array.shape().len();
-        return Err(Fault::new(format!("a mask has three axes, x, y and z; this array has {axes}")));
+fn mask(array: &NpyArray, first_axis_fastest: bool) -> Result<BitGrid, Fault> {
+    let &[nx, ny, nz] = array.shape() else {
+        let axes = array.shape().len();
+        return Err(Fault::invalid(format!("a mask has three axes, x, y and z; this array has {axes}")));
     };
-    let NpyValues::U8(values) = stored.array.values() else {
-        return Err(Fault::unsupported(
-            None,
-            "a mask is of type bool or uint8; convert it with .astype(bool)",
-        ));
+    let NpyValues::U8(values) = array.values() else {
+        return Err(Fault::unsupported("a mask is of type bool or uint8; convert it with .astype(bool)"));
     };
-    let mut grid = BitGrid::empty([nx, ny, nz]).map_err(|e| Fault::new(e.to_string()))?;
+    let mut grid = BitGrid::empty([nx, ny, nz]).map_err(|e| Fault::invalid(e.to_string()))?;
     for (at, _) in values.iter().enumerate().filter(|(_, value)| **value != 0) {
-        let [i, j, k] = match stored.first_axis_fastest {
+        let [i, j, k] = match first_axis_fastest {
             true => [at % nx, at / nx % ny, at / (nx * ny)],
             false => [at / (ny * nz), at / nz % ny, at % nz],
         };
         grid.set([i as u32, j as u32, k as u32], true);
     }
     if grid.count_ones() == 0 {
-        return Err(Fault::new("the mask is zero everywhere: there is no solid"));
+        return Err(Fault::invalid("the mask is zero everywhere: there is no solid"));
     }
     Ok(grid)
 }
@@ -44,6 +40,13 @@ fn parse(bytes: &[u8]) -> Result<BitGrid, Fault> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn read(bytes: &[u8]) -> Result<BitGrid, VolumeIoError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("m.npy");
+        std::fs::write(&path, bytes).unwrap();
+        read_mask(&path)
+    }
 
     fn file(order: &str, kind: &str, shape: &str, data: &[u8]) -> Vec<u8> {
         let text = format!("{{'descr': '{kind}', 'fortran_order': {order}, 'shape': {shape}, }}\n");
@@ -64,7 +67,7 @@ mod tests {
         columns[1 + 2 * 2 * 2] = 1;
         columns[2] = 1;
         for bytes in [file("False", "|u1", "(2, 2, 3)", &rows), file("True", "|b1", "(2, 2, 3)", &columns)] {
-            let grid = parse(&bytes).unwrap();
+            let grid = read(&bytes).unwrap();
             assert_eq!(grid.dims(), [2, 2, 3]);
             assert_eq!(grid.ones().collect::<Vec<_>>(), [[0, 1, 0], [1, 0, 2]]);
         }
@@ -83,9 +86,8 @@ mod tests {
             ("|b1", "(0, 2, 2)", "zero everywhere"),
             ("|b1", "x", "shape"),
         ] {
-            let fault = parse(&file("False", kind, shape, &[0; 8])).unwrap_err();
-            let message = fault.in_file(Path::new("m.npy")).to_string();
-            assert!(message.contains(says) && message.starts_with("m.npy"), "{message}");
+            let message = read(&file("False", kind, shape, &[0; 8])).unwrap_err().to_string();
+            assert!(message.contains(says) && message.contains("m.npy: "), "{message}");
         }
     }
 }

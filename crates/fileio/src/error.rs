@@ -1,0 +1,76 @@
+use std::path::{Path, PathBuf};
+
+/// Why a file could not be read or written. Each message names the file and says what to do.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FileError {
+    /// The operating system refused to read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// The operating system refused to write; nothing was left behind.
+    #[error("{}: cannot be written: {source}; check that the folder exists, is writable and has room", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// The contents break the format's rules.
+    #[error("{}: {reason}", path.display())]
+    Invalid {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong and what to do.
+        reason: String,
+    },
+    /// The contents are legal, but of a variant that is not read.
+    #[error("{}: {reason}", path.display())]
+    Unsupported {
+        /// The file.
+        path: PathBuf,
+        /// What is not supported and what to do.
+        reason: String,
+    },
+    /// The shape of an array does not fit the number of its values.
+    #[error("array: {reason}")]
+    InvalidArray {
+        /// What is wrong.
+        reason: String,
+    },
+}
+
+/// What a parser finds wrong, before the path is known.
+#[derive(Debug)]
+pub(crate) enum Fault {
+    Invalid(String),
+    Unsupported(String),
+}
+
+impl Fault {
+    pub(crate) fn invalid(reason: impl Into<String>) -> Self {
+        Self::Invalid(reason.into())
+    }
+
+    pub(crate) fn unsupported(reason: impl Into<String>) -> Self {
+        Self::Unsupported(reason.into())
+    }
+
+    pub(crate) fn into_reason(self) -> String {
+        match self {
+            Self::Invalid(reason) | Self::Unsupported(reason) => reason,
+        }
+    }
+
+    pub(crate) fn in_file(self, path: &Path) -> FileError {
+        let path = path.to_path_buf();
+        match self {
+            Self::Invalid(reason) => FileError::Invalid { path, reason },
+            Self::Unsupported(reason) => FileError::Unsupported { path, reason },
+        }
+    }
+}
