@@ -4,40 +4,15 @@ use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use mser3d_meshio::write_atomically;
-use serde_json::{Value, json};
+use mser3d::{Detector, Domain};
+use mser3d_fileio::write_text;
+use mser3d_results::{Record, Results};
+use mser3d_shape::InvalidParameter;
+use serde::{Deserialize, Serialize};
 
 use crate::budget::Budget;
 use crate::folder::CollectionFolder;
 use crate::{CollectionError, Job, Shard, Tables, tables};
-
-/// What a batch does with each shape.
-pub trait Work: Sync {
-    /// What is read before the work starts.
-    type Input: Send;
-
-    /// Reads a shape, and says what its result depends on and what it will need.
-    ///
-    /// # Errors
-    /// Why the shape cannot be read, in words; it is recorded, and the rest go on.
-    fn read(&self, job: &Job) -> Result<Ready<Self::Input>, String>;
-
-    /// Writes the shape's result, `regions.json` among it, into an empty folder.
-    ///
-    /// # Errors
-    /// Why there is no result, in words; it is recorded, and the rest go on.
-    fn run(&self, job: &Job, input: Self::Input, folder: &Path) -> Result<(), String>;
-}
-
-/// A shape that was read.
-pub struct Ready<T> {
-    /// What was read.
-    pub input: T,
-    /// What the result depends on, as part of `regions.json`: a result that says otherwise is redone.
-    pub identity: Value,
-    /// Bytes of memory that the work will take, about.
-    pub memory: u64,
-}
 
 /// How a batch runs.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,6 +29,22 @@ impl Default for BatchParameters {
     fn default() -> Self {
         Self { workers: 1, memory: u64::MAX, shard: None }
     }
+}
+
+/// A shape without a result: what `failure.json` in its folder says, and `failures.json` of all.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct Failure {
+    /// Its name in the collection.
+    pub name: String,
+    /// The file.
+    pub path: String,
+    /// The glTF animation that poses it.
+    pub animation: Option<String>,
+    /// When in the animation, in seconds.
+    pub time: f64,
+    /// Why there is no result.
+    pub error: String,
 }
 
 /// What became of a shape.
@@ -80,41 +71,41 @@ pub struct Event<'a> {
 }
 
 /// What became of all shapes.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct BatchSummary {
     /// Shapes computed.
-    pub done: usize,
+    pub computed: usize,
     /// Shapes that had a result already.
     pub kept: usize,
-    /// Names of shapes without a result, and why, by name.
-    pub failed: Vec<(String, String)>,
+    /// Shapes without a result, by name.
+    pub failed: Vec<Failure>,
     /// The tables that were made; none by a shard.
     pub tables: Option<Tables>,
 }
 
-/// Computes the results of many shapes, each in a folder of its own, and makes tables of them.
+/// Runs a detector over many shapes, their volumes or their surfaces, each with a result in a folder of its own, and
+/// makes tables of them.
 ///
 /// Each result appears as a whole or not at all, so a batch that is killed can be run again: it keeps
 /// what is there, and ends with the same bytes as one that was never disturbed (times in `regions.json`
-/// aside). Results whose `regions.json` contradicts [`Ready::identity`] are redone.
+/// aside). Results of another input, other parameters or another version are redone ([`Record::is_of`]).
 ///
-/// `progress` is called from the working threads, after each shape.
+/// `heard` is called from the working threads, after each shape.
 ///
 /// # Errors
 /// [`CollectionError::Busy`] when another batch is at it, [`CollectionError::Io`] and
-/// [`CollectionError::NotACollection`] when results cannot be put where they belong, and what
+/// [`CollectionError::NotACollection`] when results cannot be put where they belong,
+/// [`CollectionError::Cancelled`] when the detector's progress function says so, and what
 /// [`build_tables`](crate::build_tables) returns. Shapes that fail are no error, but part of the summary.
-pub fn run_batch<W: Work>(
+pub fn run_batch(
     folder: &Path,
     jobs: Vec<Job>,
-    work: &W,
+    domain: Domain,
+    detector: &Detector,
     parameters: &BatchParameters,
-    progress: &(dyn Fn(Event) + Sync),
+    heard: &(dyn Fn(Event) + Sync),
 ) -> Result<BatchSummary, CollectionError> {
-    if parameters.workers == 0 {
-        let (value, expected) = ("0".to_owned(), "at least 1");
-        return Err(CollectionError::BadParameter { name: "workers", value, expected });
-    }
+    InvalidParameter::unless(parameters.workers > 0, "workers", parameters.workers, "at least 1")?;
     let folder = CollectionFolder::open(folder, parameters.shard)?;
     let jobs = match parameters.shard {
         Some(shard) => shard.of(jobs),
@@ -132,10 +123,10 @@ pub fn run_batch<W: Work>(
             let number = next.fetch_add(1, Ordering::Relaxed);
             jobs.get(number).zip(outcomes.get(number))
         } {
-            match one(&folder, job, work, &budget) {
+            match one(&folder, job, domain, detector, &budget) {
                 Ok(outcome) => {
                     let through = through.fetch_add(1, Ordering::Relaxed) + 1;
-                    progress(Event { job, outcome: &outcome, through, total: jobs.len() });
+                    heard(Event { job, outcome: &outcome, through, total: jobs.len() });
                     *slot.lock().unwrap_or_else(PoisonError::into_inner) = Some(outcome);
                 }
                 Err(error) => {
@@ -158,9 +149,9 @@ pub fn run_batch<W: Work>(
     let mut summary = BatchSummary::default();
     for (job, outcome) in jobs.iter().zip(outcomes) {
         match outcome.into_inner().unwrap_or_else(PoisonError::into_inner) {
-            Some(Outcome::Done) => summary.done += 1,
+            Some(Outcome::Done) => summary.computed += 1,
             Some(Outcome::Kept) => summary.kept += 1,
-            Some(Outcome::Failed(why)) => summary.failed.push((job.name.clone(), why)),
+            Some(Outcome::Failed(why)) => summary.failed.push(job.failure(why)),
             None => {}
         }
     }
@@ -170,87 +161,75 @@ pub fn run_batch<W: Work>(
     Ok(summary)
 }
 
-/// Deals with one shape. Errors are those of the collection's folder, not of the shape.
-fn one<W: Work>(
+/// Deals with one shape. Errors are those of the collection's folder and of a cancelled batch, not of the shape.
+fn one(
     folder: &CollectionFolder,
     job: &Job,
-    work: &W,
+    domain: Domain,
+    detector: &Detector,
     budget: &Budget,
 ) -> Result<Outcome, CollectionError> {
-    let attempt = catch_unwind(AssertUnwindSafe(|| work.read(job)));
-    let ready = match attempt.unwrap_or_else(|panic| Err(said(&*panic))) {
-        Ok(ready) => ready,
-        Err(why) => return failed(folder, job, why),
+    let _shape = tracing::info_span!("shape", name = job.name).entered();
+    let pitch = detector.parameters.voxelize.pitch;
+    let file = match guarded(|| Ok(job.read()?.with_pitch(pitch)?)) {
+        Ok(file) => file,
+        Err(why) => return failed(folder, job, why.to_string()),
     };
-    if is_current(&folder.result(&job.name), &ready.identity) {
+    let record = Record::load(&folder.result(&job.name));
+    if record.is_ok_and(|record| record.is_of(&file.identity(), domain, &detector.parameters)) {
         return Ok(Outcome::Kept);
     }
     folder.remove_tables()?;
     let partial = folder.begin(&job.name)?;
-    let share = budget.take(ready.memory);
-    let attempt = catch_unwind(AssertUnwindSafe(|| work.run(job, ready.input, &partial)));
-    drop(share);
-    match attempt.unwrap_or_else(|panic| Err(said(&*panic))) {
+    let done = guarded(|| {
+        let input = file.input(domain)?;
+        let share = budget.take(detector.parameters.estimate(&input).memory_bytes);
+        let features = detector.detect(input)?;
+        Results::of_file(&features, &file)?.write(&partial)?;
+        drop(share);
+        Ok(())
+    });
+    match done {
         Ok(()) => {
             folder.publish(&job.name, &partial)?;
             Ok(Outcome::Done)
         }
-        Err(why) => failed(folder, job, why),
+        Err(Trouble::Detect(mser3d::Error::Cancelled)) => Err(CollectionError::Cancelled),
+        Err(why) => failed(folder, job, why.to_string()),
     }
+}
+
+/// Why one shape has no result.
+#[derive(Debug, thiserror::Error)]
+enum Trouble {
+    #[error(transparent)]
+    Results(#[from] mser3d_results::ResultsError),
+    #[error(transparent)]
+    Detect(#[from] mser3d::Error),
+    #[error("a bug in mser3d, please report it: {0}")]
+    Panic(String),
+}
+
+/// Does some work; a panic is an error, so that one shape cannot end a batch.
+fn guarded<T>(work: impl FnOnce() -> Result<T, Trouble>) -> Result<T, Trouble> {
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| Err(Trouble::Panic(said(&*panic))))
 }
 
 /// Records a failure in place of a result.
 fn failed(folder: &CollectionFolder, job: &Job, why: String) -> Result<Outcome, CollectionError> {
     folder.remove_tables()?;
     let partial = folder.begin(&job.name)?;
-    let failure = json!({
-        "name": job.name,
-        "path": job.path.to_string_lossy(),
-        "animation": job.animation,
-        "time": job.time,
-        "error": why,
-    });
-    write_atomically(&partial.join("failure.json"), |out| {
-        use std::io::Write;
-        writeln!(out, "{failure:#}")
-    })?;
+    let path = partial.join("failure.json");
+    let json = serde_json::to_string_pretty(&job.failure(why.clone()));
+    let json = json.map_err(|e| CollectionError::io(&path)(e.into()))?;
+    write_text(&path, &(json + "\n"))?;
     folder.publish(&job.name, &partial)?;
     Ok(Outcome::Failed(why))
-}
-
-/// Whether a folder holds a result that says all that `identity` says.
-fn is_current(folder: &Path, identity: &Value) -> bool {
-    let read = |text: &[u8]| serde_json::from_slice::<Value>(text).ok();
-    let record = std::fs::read(folder.join("regions.json")).ok().and_then(|text| read(&text));
-    // Numbers that were written and read compare with numbers that were written and read.
-    record.zip(read(identity.to_string().as_bytes())).is_some_and(|(record, wanted)| says(&record, &wanted))
-}
-
-fn says(record: &Value, wanted: &Value) -> bool {
-    match wanted {
-        Value::Object(wanted) => {
-            wanted.iter().all(|(key, value)| record.get(key).is_some_and(|r| says(r, value)))
-        }
-        _ => record == wanted,
-    }
 }
 
 /// What a panic said.
 fn said(panic: &(dyn Any + Send)) -> String {
     let message = panic.downcast_ref::<&str>().copied();
     let message = message.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
-    format!("a bug in mser3d, please report it: {}", message.unwrap_or("panic"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn identity_is_part_of_the_record() {
-        let record = json!({"input": {"sha256": "ab", "bytes": 3}, "parameters": {"k": 0.1}, "run": 1});
-        assert!(says(&record, &json!({"input": {"sha256": "ab"}, "parameters": {"k": 0.1}})));
-        assert!(!says(&record, &json!({"input": {"sha256": "cd"}})));
-        assert!(!says(&record, &json!({"mser3d": "0.1.0"})));
-    }
+    message.unwrap_or("panic").to_owned()
 }

@@ -1,9 +1,10 @@
 use std::path::{Path, PathBuf};
 
 use mser3d::shape::Eigenbasis;
-use mser3d::spectral::{Eigensolver, Extent, Spectrum, SpectrumParameters, SpectrumReport};
-use mser3d::{Body, Domain, Graph, ProgressFn};
-use mser3d_meshio::{MeshIoError, NpyArray, NpyValues, read_npz, write_npz};
+use mser3d::spectral::{EigenpairRange, Eigensolver, Spectrum, SpectrumParameters, SpectrumReport};
+use mser3d::{DiscreteShape, Elements, ProgressFn};
+use mser3d_fileio::{FileError, NpyArray, NpyValues, read_npz, write_npz};
+use mser3d_shape::Choice;
 use sha2::{Digest, Sha256};
 
 use crate::CollectionError;
@@ -33,9 +34,6 @@ pub enum CacheUse {
 /// Changes whenever the same parameters would give another spectrum or its file another layout.
 const GENERATION: &str = concat!("mser3d spectrum 1, version ", env!("CARGO_PKG_VERSION"));
 
-/// The names under which [`SpectrumReport::solver`] is one of these.
-const SOLVERS: [&str; 3] = ["dense", "shift-invert Lanczos", "filtered Lanczos"];
-
 impl SpectrumCache {
     /// A cache in a folder, which is made if it is not there.
     ///
@@ -46,27 +44,44 @@ impl SpectrumCache {
         Ok(Self { folder: folder.to_owned() })
     }
 
-    /// The spectrum of a body, computed only if it is not there.
+    /// The spectrum of a shape, computed only if it is not there.
     ///
     /// # Errors
-    /// Those of [`Body::spectrum`]; a cache that cannot be read or written is only [`CacheUse::Trouble`].
+    /// Those of [`DiscreteShape::spectrum`]; a cache that cannot be read or written is only [`CacheUse::Trouble`].
     pub fn spectrum(
         &self,
-        body: &Body,
+        shape: &DiscreteShape,
         parameters: &SpectrumParameters,
         progress: ProgressFn,
     ) -> Result<(Spectrum, CacheUse), mser3d::Error> {
-        let key = key(body, parameters);
+        let key = key(shape, parameters);
         let path = self.path(&key);
-        let trouble = match read(&path, &key, body) {
+        let trouble = match read(&path, &key, shape) {
             Ok(spectrum) => return Ok((spectrum, CacheUse::Hit)),
             Err(trouble) => trouble,
         };
-        let spectrum = body.spectrum(parameters, progress)?;
+        let spectrum = shape.spectrum(parameters, progress)?;
         let written = write(&path, &key, &spectrum);
         let trouble = trouble.map(|t| format!("{t}; computed again"));
         let trouble = trouble.or(written.err().map(|e| format!("the spectrum is not kept: {e}")));
         Ok((spectrum, trouble.map_or(CacheUse::Stored, CacheUse::Trouble)))
+    }
+
+    /// The cache as a detector's source of spectra ([`Detector::spectra`](mser3d::Detector::spectra)); `warn` hears
+    /// what is wrong with it.
+    pub fn source<'a>(
+        &'a self,
+        warn: impl Fn(&str) + Sync + 'a,
+    ) -> impl Fn(&DiscreteShape, &SpectrumParameters, ProgressFn) -> Result<Spectrum, mser3d::Error> + Sync + 'a
+    {
+        move |shape: &DiscreteShape, parameters: &SpectrumParameters, progress: ProgressFn| {
+            let (spectrum, used) = self.spectrum(shape, parameters, progress)?;
+            tracing::info!(?used, "asked the cache of spectra");
+            if let CacheUse::Trouble(what) = used {
+                warn(&what);
+            }
+            Ok(spectrum)
+        }
     }
 
     fn path(&self, key: &[u8]) -> PathBuf {
@@ -76,13 +91,17 @@ impl SpectrumCache {
 }
 
 /// A hash of all that a spectrum depends on.
-fn key(body: &Body, parameters: &SpectrumParameters) -> Vec<u8> {
+fn key(shape: &DiscreteShape, parameters: &SpectrumParameters) -> Vec<u8> {
     let mut hash = Sha256::new();
     hash.update(GENERATION);
     let mut integer = |x: u64| hash.update(x.to_le_bytes());
     match parameters.eigenpairs {
-        Extent::Count(count) => integer(count as u64),
-        Extent::Below(bound) => [u64::MAX, bound.to_bits()].into_iter().for_each(&mut integer),
+        EigenpairRange::Count(count) | EigenpairRange::AtMost(count) => {
+            integer(count.min(shape.len()) as u64);
+        }
+        EigenpairRange::LambdaMax(bound) => {
+            [u64::MAX, bound.to_bits()].into_iter().for_each(&mut integer);
+        }
     }
     integer(parameters.tolerance.to_bits());
     integer(parameters.max_iterations as u64);
@@ -91,8 +110,8 @@ fn key(body: &Body, parameters: &SpectrumParameters) -> Vec<u8> {
         Eigensolver::Filter => 2,
         _ => 0,
     });
-    match body.graph() {
-        Graph::Voxels { grid, .. } => {
+    match shape.elements() {
+        Elements::Voxels { grid, .. } => {
             let frame = grid.frame();
             integer(3);
             frame.dims().into_iter().for_each(|n| integer(n as u64));
@@ -100,7 +119,7 @@ fn key(body: &Body, parameters: &SpectrumParameters) -> Vec<u8> {
             let bits = grid.links().iter().chain([grid.occupancy()]);
             bits.flat_map(|bits| bits.words()).for_each(|&word| integer(word));
         }
-        Graph::Surface { mesh, .. } => {
+        Elements::Vertices { mesh, .. } => {
             integer(2);
             integer(mesh.vertices().len() as u64);
             mesh.vertices().iter().flatten().for_each(|x| integer(x.to_bits()));
@@ -110,7 +129,7 @@ fn key(body: &Body, parameters: &SpectrumParameters) -> Vec<u8> {
     hash.finalize().to_vec()
 }
 
-fn write(path: &Path, key: &[u8], spectrum: &Spectrum) -> Result<(), MeshIoError> {
+fn write(path: &Path, key: &[u8], spectrum: &Spectrum) -> Result<(), FileError> {
     let (basis, report) = (&spectrum.basis, &spectrum.report);
     let counts = [report.iterations, report.applications, report.zero_modes].map(|n| n as i64);
     let functions = NpyArray::new(&[basis.len(), basis.eigenvalues().len()], basis.functions())?;
@@ -118,7 +137,7 @@ fn write(path: &Path, key: &[u8], spectrum: &Spectrum) -> Result<(), MeshIoError
         path,
         &[
             ("key", NpyArray::flat(key)),
-            ("solver", NpyArray::flat(report.solver.as_bytes())),
+            ("solver", NpyArray::flat(report.solver.name().as_bytes())),
             ("counts", NpyArray::flat(counts.to_vec())),
             ("quality", NpyArray::flat(vec![report.residual, report.orthogonality])),
             ("mass", NpyArray::flat(basis.mass())),
@@ -129,7 +148,7 @@ fn write(path: &Path, key: &[u8], spectrum: &Spectrum) -> Result<(), MeshIoError
 }
 
 /// The spectrum in a file, or what is wrong with it: nothing (`None`) if there is no file.
-fn read(path: &Path, key: &[u8], body: &Body) -> Result<Spectrum, Option<String>> {
+fn read(path: &Path, key: &[u8], shape: &DiscreteShape) -> Result<Spectrum, Option<String>> {
     if !path.exists() {
         return Err(None);
     }
@@ -143,20 +162,16 @@ fn read(path: &Path, key: &[u8], body: &Body) -> Result<Spectrum, Option<String>
         let NpyValues::F64(mass) = take("mass")? else { return None };
         let NpyValues::F64(eigenvalues) = take("eigenvalues")? else { return None };
         let NpyValues::F64(functions) = take("functions")? else { return None };
-        let solver = SOLVERS.into_iter().find(|name| name.as_bytes() == &*solver)?;
+        let solver = std::str::from_utf8(&solver).ok()?.parse().ok()?;
         let (&[iterations, applications, zero_modes], &[residual, orthogonality]) = (&*counts, &*quality)
         else {
             return None;
         };
-        if stored_key != key || mass.len() != body.len() {
+        if stored_key != key || mass.len() != shape.len() {
             return None;
         }
-        let domain = match body.graph() {
-            Graph::Voxels { .. } => Domain::Volume,
-            Graph::Surface { .. } => Domain::Surface,
-        };
         let functions = functions.into_owned();
-        let basis = Eigenbasis::new(domain, mass.into_owned(), eigenvalues.into_owned(), functions).ok()?;
+        let basis = Eigenbasis::new(shape.domain(), mass.into_owned(), eigenvalues.into_owned(), functions).ok()?;
         let count = |n: i64| usize::try_from(n).ok();
         let report = SpectrumReport {
             solver,
@@ -192,7 +207,7 @@ mod tests {
         numbers.iter().map(|x| x.to_bits()).collect()
     }
 
-    fn ask(cache: &SpectrumCache, body: &Body, parameters: &SpectrumParameters) -> (Spectrum, CacheUse) {
+    fn ask(cache: &SpectrumCache, shape: &DiscreteShape, parameters: &SpectrumParameters) -> (Spectrum, CacheUse) {
         cache.spectrum(body, parameters, &mser3d::no_progress).unwrap()
     }
 
@@ -203,7 +218,7 @@ mod tests {
         let large = SpectrumParameters { solver: Eigensolver::ShiftInvert, ..parameters() };
         let mut solvers = Vec::new();
         for (body, parameters) in [(bar(10), parameters()), (bar(150), parameters()), (bar(150), large)] {
-            let computed = body.spectrum(&parameters, &mser3d::no_progress).unwrap();
+            let computed = shape.spectrum(&parameters, &mser3d::no_progress).unwrap();
             for used in [CacheUse::Stored, CacheUse::Hit] {
                 let (spectrum, how) = ask(&cache, &body, &parameters);
                 assert_eq!((how, spectrum.report), (used, computed.report));
@@ -217,7 +232,7 @@ mod tests {
 
     #[test]
     fn what_changes_the_spectrum_changes_the_key() {
-        let grid = |body: &Body| body.grid().unwrap().clone();
+        let grid = |shape: &DiscreteShape| body.grid().unwrap().clone();
         let cut = grid(&bar(20)).with_cut_links(0, &[[1, 1, 1]]).0;
         let bodies = [bar(20), bar(21), Body::solid(cut, Connectivity::Six)];
         let other = [

@@ -9,14 +9,6 @@ pub enum CollectionError {
     /// A result cannot be read.
     #[error(transparent)]
     Results(#[from] mser3d_results::ResultsError),
-    /// A result lacks something that comparing needs.
-    #[error("{}: {what}; run `mser3d detect` again", folder.display())]
-    Incomplete {
-        /// The result's folder.
-        folder: PathBuf,
-        /// What is missing.
-        what: String,
-    },
     /// A shape has no regions to compare.
     #[error(
         "{}: this shape has no regions, so there is nothing to compare; detect with a smaller --min-volume or --window",
@@ -57,21 +49,14 @@ pub enum CollectionError {
         second_vertices: usize,
     },
     /// A parameter is out of range.
-    #[error("{name} is {value}: it must be {expected}")]
-    BadParameter {
-        /// Which parameter.
-        name: &'static str,
-        /// What it was.
-        value: String,
-        /// What it has to be.
-        expected: &'static str,
-    },
+    #[error(transparent)]
+    InvalidParameter(#[from] mser3d_shape::InvalidParameter),
     /// A parameter of the matching is out of range, or descriptors do not fit together.
     #[error(transparent)]
     Descriptors(#[from] mser3d::descriptors::DescriptorError),
     /// A ground truth cannot be read or does not fit.
     #[error(transparent)]
-    Truth(#[from] mser3d_shrec11::ShrecError),
+    GroundTruth(#[from] mser3d_evaluation::EvaluationError),
     /// An input names no shape.
     #[error("{input}: {problem}")]
     Input {
@@ -83,6 +68,12 @@ pub enum CollectionError {
     /// An animated file cannot be read.
     #[error(transparent)]
     Mesh(#[from] mser3d_meshio::MeshIoError),
+    /// A file cannot be read or written.
+    #[error(transparent)]
+    File(#[from] mser3d_fileio::FileError),
+    /// The detector's progress function asked to stop.
+    #[error("cancelled; run again to go on")]
+    Cancelled,
     /// Another process writes to the collection.
     #[error(
         "{}: another batch is writing to this collection{part}; wait until it is done, or give another folder",

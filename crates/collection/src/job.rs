@@ -2,9 +2,11 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use mser3d_meshio::{AnimationInfo, MeshFormat, list_animations};
+use mser3d_meshio::{AnimationInfo, MeshFormat, ReadOptions, list_animations};
+use mser3d_results::{ResultsError, ShapeFile};
+use mser3d_shape::InvalidParameter;
 
-use crate::CollectionError;
+use crate::{CollectionError, Failure};
 
 /// One shape of a batch.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +19,27 @@ pub struct Job {
     pub animation: Option<String>,
     /// When in the animation, in seconds.
     pub time: f64,
+}
+
+impl Job {
+    /// Reads the shape.
+    ///
+    /// # Errors
+    /// As [`ShapeFile::read`].
+    pub fn read(&self) -> Result<ShapeFile, ResultsError> {
+        let pose = ReadOptions { animation: self.animation.clone(), time: self.time };
+        ShapeFile::read(&self.path, &pose)
+    }
+
+    pub(crate) fn failure(&self, error: String) -> Failure {
+        Failure {
+            name: self.name.clone(),
+            path: self.path.to_string_lossy().into_owned(),
+            animation: self.animation.clone(),
+            time: self.time,
+            error,
+        }
+    }
 }
 
 /// Which frames of animated files become shapes.
@@ -185,7 +208,7 @@ fn plain(part: &str) -> String {
 /// let shard: Shard = "2/3".parse()?;
 /// assert_eq!(shard.of(vec!["a", "b", "c", "d", "e"]), ["b", "e"]);
 /// assert!("4/3".parse::<Shard>().is_err());
-/// # Ok::<(), mser3d_collection::CollectionError>(())
+/// # Ok::<(), mser3d_shape::InvalidParameter>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
@@ -197,12 +220,10 @@ impl Shard {
     /// Shard `number` (from 1) of `count`.
     ///
     /// # Errors
-    /// [`CollectionError::BadParameter`].
-    pub fn new(number: usize, count: usize) -> Result<Self, CollectionError> {
-        if number == 0 || number > count {
-            let (value, expected) = (format!("{number}/{count}"), "I/N with I from 1 to N");
-            return Err(CollectionError::BadParameter { name: "shard", value, expected });
-        }
+    /// [`InvalidParameter`].
+    pub fn new(number: usize, count: usize) -> Result<Self, InvalidParameter> {
+        let value = format!("{number}/{count}");
+        InvalidParameter::unless(number > 0 && number <= count, "shard", value, "I/N with I from 1 to N")?;
         Ok(Self { number, count })
     }
 
@@ -213,17 +234,14 @@ impl Shard {
 }
 
 impl FromStr for Shard {
-    type Err = CollectionError;
+    type Err = InvalidParameter;
 
-    fn from_str(text: &str) -> Result<Self, CollectionError> {
+    fn from_str(text: &str) -> Result<Self, InvalidParameter> {
         let parts = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
         // 0/0 is out of range and gives the message.
         let (number, count) = parts.unwrap_or((0, 0));
-        Self::new(number, count).map_err(|_| CollectionError::BadParameter {
-            name: "shard",
-            value: text.to_owned(),
-            expected: "I/N with I from 1 to N, such as 1/8",
-        })
+        let message = |_| InvalidParameter::new("shard", text, "I/N with I from 1 to N, such as 1/8");
+        Self::new(number, count).map_err(message)
     }
 }
 

@@ -1,8 +1,9 @@
 //! Collections: many shapes, computed safely, as tables, matched and searched.
 //!
-//! * [`match_shapes`] finds out which regions of two shapes are the same, by descriptor; [`judge`] says how
+//! * [`match_results`] finds out which regions of two shapes are the same, by descriptor; [`judge_matching`] says how
 //!   many of the matches are right, where the truth is known.
-//! * [`plan`] and [`run_batch`] compute the results of many shapes, each in a folder of its own;
+//! * [`plan`] lists the shapes that files, folders and patterns name; [`run_batch`] runs a detector over them, each
+//!   with a result in a folder of its own;
 //!   [`build_tables`] makes `regions.parquet` and `shapes.parquet` of them.
 //! * [`Index`] finds the regions of a collection that are nearest to those of a shape, and shows them.
 //! * [`SpectrumCache`] keeps spectra, so that none is computed twice.
@@ -22,62 +23,50 @@
 //! removed. A collection is on one file system, since results are renamed into place.
 //!
 //! # Example
-//! The batch's work is whatever writes a result; here, a box.
 //! ```
-//! use std::path::Path;
-//! use mser3d::{Domain, Parameters, detect};
-//! use mser3d::shape::TriangleMesh;
-//! use mser3d_collection::{BatchParameters, Index, Job, Ready, Shape, Work, match_shapes, run_batch};
-//! use mser3d_results::Results;
-//! use serde_json::json;
+//! use mser3d::voxelize::Pitch;
+//! use mser3d::{Detector, Domain, Parameters};
+//! use mser3d_collection::{BatchParameters, DescribedResult, Index, match_results, plan, run_batch};
 //!
-//! struct Bars(Parameters);
-//!
-//! impl Work for Bars {
-//!     type Input = TriangleMesh;
-//!
-//!     fn read(&self, job: &Job) -> Result<Ready<TriangleMesh>, String> {
-//!         // A handle on a block, longer in each shape.
-//!         let length = 5.0 + job.time;
-//! #       let corners = |x: f64, z: [f64; 2]| (0..8u32).map(move |i| [
-//! #           if i & 1 == 0 { -x } else { x }, if i & 2 == 0 { -x } else { x }, z[(i >> 2) as usize]]);
-//! #       let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-//! #       let faces = |o: u32| quads.iter().flat_map(move |&[a, b, c, d]| [[a, b, c], [a, c, d]])
-//! #           .map(move |t| t.map(|v| v + o));
-//! #       let vertices = corners(2.0, [0.0, 4.0]).chain(corners(0.6, [3.9, 3.9 + length])).collect();
-//! #       let triangles = faces(0).chain(faces(8)).collect();
-//!         let mesh = TriangleMesh::new(vertices, triangles).map_err(|e| e.to_string())?;
-//!         Ok(Ready { input: mesh, identity: json!({"input": {"path": job.name}}), memory: 100_000_000 })
-//!     }
-//!
-//!     fn run(&self, job: &Job, mesh: TriangleMesh, folder: &Path) -> Result<(), String> {
-//!         let features = detect(&mesh, Domain::Volume, &self.0, &mser3d::no_progress);
-//!         let features = features.map_err(|e| e.to_string())?;
-//!         let mut results =
-//!             Results::new(&features, Some(&mesh), &job.name).map_err(|e| e.to_string())?;
-//!         let spectrum = json!({"eigenpairs": features.basis.eigenvalues().len()});
-//!         let parameters = json!({"spectrum": spectrum, "descriptor": {"kind": "si-hks"}});
-//!         results.record.more.insert("parameters".into(), parameters);
-//!         results.write(folder).map_err(|e| e.to_string())
-//!     }
-//! }
-//!
+//! # // Two shapes: a block with a handle, longer in the second.
+//! # let folder = std::env::temp_dir().join(format!("mser3d-collection-doc-{}", std::process::id()));
+//! # std::fs::create_dir_all(&folder)?;
+//! # for (name, length) in [("short", 5.0), ("long", 6.0)] {
+//! #     let mut off = String::from("OFF\n16 24 0\n");
+//! #     for (x, z) in [(2.0, [0.0, 4.0]), (0.6, [3.9, 3.9 + length])] {
+//! #         for i in 0..8 {
+//! #             let sign = |bit: i32| if i >> bit & 1 == 0 { -x } else { x };
+//! #             off += &format!("{} {} {}\n", sign(0), sign(1), z[i as usize >> 2]);
+//! #         }
+//! #     }
+//! #     for o in [0, 8] {
+//! #         for [a, b, c, d] in [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]] {
+//! #             off += &format!("3 {} {} {}\n3 {} {} {}\n", o + a, o + b, o + c, o + a, o + c, o + d);
+//! #         }
+//! #     }
+//! #     std::fs::write(folder.join(format!("{name}.off")), off)?;
+//! # }
+//! # let shapes = folder.clone();
 //! let mut parameters = Parameters::default();
-//! parameters.voxelize.pitch = mser3d::voxelize::Pitch::Voxels(2500);
+//! parameters.voxelize.pitch = Pitch::Voxels(2500);
 //! parameters.spectrum.eigenpairs = 30.into();
-//! let job = |name: &str, time| Job { name: name.into(), path: name.into(), animation: None, time };
-//! let jobs = vec![job("long", 1.0), job("short", 0.0)];
-//! # let folder = std::env::temp_dir().join(format!("mser3d-collection-{}", std::process::id()));
-//! let summary = run_batch(&folder, jobs.clone(), &Bars(parameters.clone()), &BatchParameters::default(), &|_| {})?;
-//! assert_eq!((summary.done, summary.failed.len()), (2, 0));
-//! let again = run_batch(&folder, jobs, &Bars(parameters), &BatchParameters::default(), &|_| {})?;
-//! assert_eq!((again.done, again.kept), (0, 2));
+//! let detector = Detector::new(parameters);
 //!
-//! let (short, long) = (Shape::load(&folder.join("short"))?, Shape::load(&folder.join("long"))?);
-//! let matching = match_shapes(&short, &long, &Default::default())?;
+//! // All shapes in a folder of meshes and masks.
+//! let (jobs, collection) = (plan(&[shapes], None)?, folder.join("results"));
+//! let run = || {
+//!     let batch = BatchParameters::default();
+//!     run_batch(&collection, jobs.clone(), Domain::Volume, &detector, &batch, &|_| {})
+//! };
+//! assert_eq!(run()?.computed, 2);
+//! assert_eq!(run()?.kept, 2); // nothing is computed twice
+//!
+//! let short = DescribedResult::load(&collection.join("short"))?;
+//! let long = DescribedResult::load(&collection.join("long"))?;
+//! let matching = match_results(&short, &long, &Default::default())?;
 //! assert_eq!(matching.matches.len(), long.descriptors.len());
-//! let closest = Index::load(&folder)?.nearest(&short, 1, Some("short"))?;
-//! assert!(closest.iter().all(|hits| hits[0].shape == "long"));
+//! let closest = Index::load(&collection)?.nearest(&short, 1, Some("short"))?;
+//! assert!(closest.iter().all(|found| found.closest[0].shape == "long"));
 //! # std::fs::remove_dir_all(&folder)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -86,23 +75,27 @@
 mod batch;
 mod budget;
 mod cache;
+mod descriptor_settings;
 mod error;
 mod folder;
+mod ground_truth;
 mod job;
 mod matching;
 mod parquet;
 mod query;
 mod query_page;
-mod settings;
 mod tables;
-mod truth;
 
-pub use batch::{BatchParameters, BatchSummary, Event, Outcome, Ready, Work, run_batch};
+pub use batch::{BatchParameters, BatchSummary, Event, Failure, Outcome, run_batch};
 pub use cache::{CacheUse, SpectrumCache};
+pub use descriptor_settings::DescriptorSettings;
 pub use error::CollectionError;
+pub use ground_truth::judge_matching;
 pub use job::{Frames, Job, Shard, plan};
-pub use matching::{Matching, RegionMatch, Shape, match_shapes};
-pub use query::{Hit, Index};
-pub use settings::DescriptorSettings;
+pub use matching::{DescribedResult, MatchRecord, Matching, RegionMatch, match_results};
+pub use query::{Hit, Index, QueryRecord, RegionHits};
 pub use tables::{Tables, build_tables};
-pub use truth::{Precision, Truth, Verdict, judge};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}

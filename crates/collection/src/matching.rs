@@ -1,14 +1,17 @@
 use std::path::{Path, PathBuf};
 
 use mser3d::descriptors::{Descriptors, MatchParameters, match_descriptors};
+use mser3d_evaluation::{MatchTruth, PrecisionRecall};
 use mser3d_results::Results;
-use serde::Serialize;
+use mser3d_shape::Choice;
+use serde::{Deserialize, Serialize};
 
-use crate::{CollectionError, DescriptorSettings, Precision, Truth};
+use crate::{CollectionError, DescriptorSettings};
 
-/// A result and the folder it was read from.
+/// A result with regions to compare, and how its descriptors were made.
 #[derive(Clone, Debug)]
-pub struct Shape {
+#[non_exhaustive]
+pub struct DescribedResult {
     /// The folder, for messages.
     pub folder: PathBuf,
     /// What it holds.
@@ -19,14 +22,14 @@ pub struct Shape {
     pub descriptors: Descriptors,
 }
 
-impl Shape {
+impl DescribedResult {
     /// Reads a result that has regions to compare.
     ///
     /// # Errors
-    /// [`CollectionError::Results`], [`CollectionError::Incomplete`], [`CollectionError::NoRegions`].
+    /// [`CollectionError::Results`], [`CollectionError::NoRegions`].
     pub fn load(folder: &Path) -> Result<Self, CollectionError> {
         let results = Results::load(folder)?;
-        let settings = DescriptorSettings::of(&results.record, folder)?;
+        let settings = DescriptorSettings::of(&results.record);
         if results.record.regions.is_empty() {
             return Err(CollectionError::NoRegions { folder: folder.to_owned() });
         }
@@ -36,7 +39,8 @@ impl Shape {
 }
 
 /// A region of one shape and its partner on the other.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct RegionMatch {
     /// Region of the second shape.
     pub region: u32,
@@ -54,20 +58,57 @@ pub struct RegionMatch {
     /// from it. Intrinsic descriptors cannot tell left from right.
     pub symmetric: bool,
     /// How right the match is, where a ground truth is known.
-    pub truth: Option<Truth>,
+    pub truth: Option<MatchTruth>,
 }
 
 /// The regions of a second shape matched to those of a first.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Matching {
     /// The matches, by region of the second shape.
     pub matches: Vec<RegionMatch>,
     /// Regions of the second shape that got no partner.
     pub unmatched: Vec<u32>,
     /// How many are right, where a ground truth is known.
-    pub precision: Option<Precision>,
+    pub precision: Option<PrecisionRecall>,
     /// What the user should know.
     pub warnings: Vec<String>,
+}
+
+/// What `matches.json` says: which results were matched, how, and what was found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct MatchRecord {
+    /// The version of mser3d that matched them.
+    pub mser3d: String,
+    /// Folder of the first result.
+    pub first: String,
+    /// Folder of the second result.
+    pub second: String,
+    /// How partners were chosen.
+    #[serde(flatten)]
+    pub parameters: MatchParameters,
+    /// What was found.
+    pub result: Matching,
+}
+
+impl MatchRecord {
+    /// The record of a matching of these results with these parameters.
+    pub fn new(
+        first: &DescribedResult,
+        second: &DescribedResult,
+        parameters: &MatchParameters,
+        result: &Matching,
+    ) -> Self {
+        let path = |of: &DescribedResult| of.folder.to_string_lossy().into_owned();
+        Self {
+            mser3d: env!("CARGO_PKG_VERSION").to_owned(),
+            first: path(first),
+            second: path(second),
+            parameters: parameters.clone(),
+            result: result.clone(),
+        }
+    }
 }
 
 /// Volumes that differ by less than this factor may be mirror images.
@@ -77,9 +118,9 @@ const LIKE_VOLUME: f64 = 1.25;
 ///
 /// # Errors
 /// [`CollectionError::DifferentDescriptors`]; [`CollectionError::Descriptors`] for parameters out of range.
-pub fn match_shapes(
-    first: &Shape,
-    second: &Shape,
+pub fn match_results(
+    first: &DescribedResult,
+    second: &DescribedResult,
     parameters: &MatchParameters,
 ) -> Result<Matching, CollectionError> {
     if let Some(what) = first.settings.difference(&second.settings) {

@@ -2,11 +2,11 @@ use std::path::{Path, PathBuf};
 
 use mser3d::descriptors::Descriptors;
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::parquet::Table;
 use crate::tables::SETTINGS;
-use crate::{CollectionError, DescriptorSettings, Shape};
+use crate::{CollectionError, DescribedResult, DescriptorSettings};
 
 /// All regions of a collection, to be searched by descriptor.
 #[derive(Clone, Debug)]
@@ -20,7 +20,8 @@ pub struct Index {
 }
 
 /// A region of a collection that is like another.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Hit {
     /// Name of its shape.
     pub shape: String,
@@ -30,6 +31,31 @@ pub struct Hit {
     pub volume_fraction: f64,
     /// Euclidean distance of the descriptors.
     pub distance: f64,
+}
+
+/// The regions of a collection nearest to one region of a shape.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RegionHits {
+    /// The region of the shape.
+    pub region: u32,
+    /// What is nearest to it, nearest first.
+    pub closest: Vec<Hit>,
+}
+
+/// What a query found, as `mser3d query --json` says it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct QueryRecord {
+    /// The version of mser3d that searched.
+    pub mser3d: String,
+    /// The collection's folder.
+    pub collection: String,
+    /// Regions that were searched.
+    pub searched: usize,
+    /// Folder of the shape.
+    pub shape: String,
+    /// Its regions, with what is nearest to each.
+    pub regions: Vec<RegionHits>,
 }
 
 impl Index {
@@ -99,10 +125,10 @@ impl Index {
     /// [`CollectionError::DifferentDescriptors`].
     pub fn nearest(
         &self,
-        shape: &Shape,
+        shape: &DescribedResult,
         count: usize,
         but: Option<&str>,
-    ) -> Result<Vec<Vec<Hit>>, CollectionError> {
+    ) -> Result<Vec<RegionHits>, CollectionError> {
         let difference = self.settings.difference(&shape.settings);
         let widths = [self.descriptors.width(), shape.descriptors.width()];
         let difference = difference.or_else(|| {
@@ -112,8 +138,20 @@ impl Index {
             let (first, second) = (self.folder.clone(), shape.folder.clone());
             return Err(CollectionError::DifferentDescriptors { first, second, what });
         }
-        let queries: Vec<&[f64]> = shape.descriptors.rows().collect();
-        Ok(queries.into_par_iter().map(|query| self.nearest_to(query, count, but)).collect())
+        let queries: Vec<(u32, &[f64])> = (0..).zip(shape.descriptors.rows()).collect();
+        let search = |(region, query)| RegionHits { region, closest: self.nearest_to(query, count, but) };
+        Ok(queries.into_par_iter().map(search).collect())
+    }
+
+    /// The record of a query.
+    pub fn record(&self, shape: &DescribedResult, regions: Vec<RegionHits>) -> QueryRecord {
+        QueryRecord {
+            mser3d: env!("CARGO_PKG_VERSION").to_owned(),
+            collection: self.folder.to_string_lossy().into_owned(),
+            searched: self.len(),
+            shape: shape.folder.to_string_lossy().into_owned(),
+            regions,
+        }
     }
 
     fn nearest_to(&self, query: &[f64], count: usize, but: Option<&str>) -> Vec<Hit> {
@@ -153,8 +191,8 @@ mod tests {
             (state >> 40) as f64
         };
         let settings = DescriptorSettings {
-            domain: "volume".into(),
-            eigenpairs: 100,
+            domain: Default::default(),
+            eigenpairs: 100.into(),
             descriptor: Default::default(),
             measure: 1.0,
             own_measure: true,

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use mser3d_results::{Image, RenderOptions, Results, Up};
 use mser3d_viewer::{Gallery, GalleryPicture, GalleryRow, NO_REGION, Rgb, gallery};
 
-use crate::{CollectionError, Hit, Index, Shape};
+use crate::{CollectionError, DescribedResult, Index, RegionHits};
 
 /// Height of a picture in pixels; the page shows it at half of that.
 const HEIGHT: usize = 300;
@@ -14,7 +14,7 @@ impl Index {
     /// One HTML file with what was found: a row for each region of the shape that was searched for, with
     /// its picture and those of the regions closest to it, all in its colour.
     ///
-    /// `closest` is made of what [`nearest`](Self::nearest) gives: a region and its hits.
+    /// `found` is what [`nearest`](Self::nearest) gives, or a part of it.
     ///
     /// Cost: reads the result of each shape that is seen, lights it once, and draws one picture for each
     /// hit: some 50 ms CPU a picture and 200 ms a shape of 10^4 vertices.
@@ -24,39 +24,39 @@ impl Index {
     /// 10 MB.
     pub fn page(
         &self,
-        shape: &Shape,
-        closest: &[(u32, Vec<Hit>)],
+        shape: &DescribedResult,
+        found: &[RegionHits],
         up: Up,
     ) -> Result<String, CollectionError> {
         let colours = shape.results.colours();
         let options = RenderOptions { height: HEIGHT, up, ..RenderOptions::default() };
         let colour = |region: u32| colours.get(region as usize).copied().unwrap_or(NO_REGION);
-        let own: Vec<(u32, Rgb)> = closest.iter().map(|&(region, _)| (region, colour(region))).collect();
+        let own: Vec<(u32, Rgb)> = found.iter().map(|hits| (hits.region, colour(hits.region))).collect();
         let own = shape.results.region_pictures(&own, &options)?;
 
         // Each shape of the collection is read and lit once, for all its pictures.
         let mut wanted: BTreeMap<&str, Vec<(u32, Rgb)>> = BTreeMap::new();
-        for (region, hits) in closest {
-            for hit in hits {
+        for RegionHits { region, closest } in found {
+            for hit in closest {
                 wanted.entry(&hit.shape).or_default().push((hit.region, colour(*region)));
             }
         }
-        let mut found: BTreeMap<&str, std::vec::IntoIter<Image>> = BTreeMap::new();
+        let mut drawn: BTreeMap<&str, std::vec::IntoIter<Image>> = BTreeMap::new();
         for (name, pictures) in wanted {
             let results = Results::load(&self.folder().join(name))?;
-            found.insert(name, results.region_pictures(&pictures, &options)?.into_iter());
+            drawn.insert(name, results.region_pictures(&pictures, &options)?.into_iter());
         }
 
         let percent = |fraction: f64| format!("{:.1} %", 100.0 * fraction);
-        let mut rows = Vec::with_capacity(closest.len());
-        for ((region, hits), image) in closest.iter().zip(own) {
+        let mut rows = Vec::with_capacity(found.len());
+        for (RegionHits { region, closest }, image) in found.iter().zip(own) {
             let fraction = shape.results.record.regions[*region as usize].volume_fraction;
             let subject =
                 GalleryPicture { image, label: format!("Region {region}"), numbers: percent(fraction) };
             // The pictures come back in the order in which they were asked for.
-            let others = hits.iter().filter_map(|hit| {
+            let others = closest.iter().filter_map(|hit| {
                 Some(GalleryPicture {
-                    image: found.get_mut(hit.shape.as_str())?.next()?,
+                    image: drawn.get_mut(hit.shape.as_str())?.next()?,
                     label: format!("{}, region {}", hit.shape, hit.region),
                     numbers: format!("distance {:.4}, {}", hit.distance, percent(hit.volume_fraction)),
                 })

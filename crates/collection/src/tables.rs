@@ -1,15 +1,15 @@
 use std::path::Path;
 
-use mser3d_meshio::{NpyValues, read_npz, write_atomically};
+use mser3d_fileio::{NpyValues, read_npz, write_text};
 use mser3d_results::{Record, ResultsError};
-use serde_json::Value;
+use serde::Serialize;
 
 use crate::folder::CollectionFolder;
 use crate::parquet::{self, Column};
-use crate::{CollectionError, DescriptorSettings};
+use crate::{CollectionError, DescriptorSettings, Failure};
 
 /// What the tables of a collection were made of.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Tables {
     /// Shapes with a result: rows of `shapes.parquet`.
     pub shapes: usize,
@@ -72,14 +72,14 @@ pub(crate) fn build(folder: &CollectionFolder) -> Result<Tables, CollectionError
         let failure = result.join("failure.json");
         if let Ok(text) = std::fs::read(&failure) {
             let broken = |e: serde_json::Error| ResultsError::Broken { path: failure, reason: e.to_string() };
-            failures.push(serde_json::from_slice::<Value>(&text).map_err(broken)?);
+            failures.push(serde_json::from_slice::<Failure>(&text).map_err(broken)?);
             continue;
         }
         let record = match Record::load(&result) {
             Err(ResultsError::NotAResult { .. }) => continue,
             record => record?,
         };
-        let own = DescriptorSettings::of(&record, &result)?;
+        let own = DescriptorSettings::of(&record);
         match &settings {
             None => settings = Some((name.clone(), own)),
             Some((first, settings)) => {
@@ -96,10 +96,9 @@ pub(crate) fn build(folder: &CollectionFolder) -> Result<Tables, CollectionError
         let problem = "there are no results in this folder; run `mser3d batch` first".to_owned();
         return Err(CollectionError::NotACollection { folder: root.to_owned(), problem });
     }
-    write_atomically(&root.join("failures.json"), |out| {
-        use std::io::Write;
-        writeln!(out, "{:#}", Value::Array(failures))
-    })?;
+    let path = root.join("failures.json");
+    let json = serde_json::to_string_pretty(&failures).map_err(|e| CollectionError::io(&path)(e.into()))?;
+    write_text(&path, &(json + "\n"))?;
     let settings = settings.map_or(String::new(), |(_, s)| serde_json::to_string(&s).unwrap_or_default());
     rows.write(root, settings)?;
     Ok(tables)
@@ -153,26 +152,20 @@ struct Rows {
 
 impl Rows {
     fn push(&mut self, name: String, record: &Record, descriptors: Vec<f64>) {
-        let more = |key: &str| record.more.get(key).unwrap_or(&Value::Null);
-        let (input, grid) = (more("input"), more("voxelization"));
-        let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
-        let count = |value: &Value| value.as_i64().and_then(|n| i32::try_from(n).ok());
-        self.path.push(text(&input["path"]));
-        self.sha256.push(text(&input["sha256"]));
-        self.animation.push(input["animation"].as_str().map(str::to_owned));
-        self.time.push(input["time"].as_f64().unwrap_or(0.0));
-        self.domain.push(match record.domain {
-            mser3d::Domain::Volume => "volume".to_owned(),
-            mser3d::Domain::Surface => "surface".to_owned(),
-        });
+        let count = |n: usize| i32::try_from(n).ok();
+        let (input, grid) = (&record.input, record.voxelization.as_ref());
+        self.path.push(input.path.clone());
+        self.sha256.push(input.sha256.clone().unwrap_or_default());
+        self.animation.push(input.animation.clone());
+        self.time.push(input.time);
+        self.domain.push(record.domain.to_string());
         self.version.push(record.mser3d.clone());
-        self.vertices.push(count(&input["diagnosis"]["vertices"]));
-        self.voxels.push(count(&grid["voxels"]));
-        self.pitch.push(grid["spacing"][0].as_f64());
-        let own = record.regions.first().map(|r| r.volume / r.volume_fraction);
-        self.measure.push(grid["volume"].as_f64().or(own));
+        self.vertices.push(input.diagnosis.as_ref().and_then(|d| count(d.vertices)));
+        self.voxels.push(grid.and_then(|g| count(g.voxels)));
+        self.pitch.push(grid.map(|g| g.spacing[0]));
+        self.measure.push(record.measure());
         self.regions.push(record.regions.len() as i32);
-        self.warnings.push(more("warnings").as_array().map_or(0, Vec::len) as i32);
+        self.warnings.push(record.warnings.len() as i32);
         for region in &record.regions {
             self.of_shape.push(name.clone());
             self.region.push(region.id as i32);

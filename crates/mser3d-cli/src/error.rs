@@ -1,8 +1,10 @@
-use std::path::PathBuf;
+use std::io::Write;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use mser3d::voxelize::VoxelizeError;
 use mser3d_collection::CollectionError;
+use mser3d_meshio::MeshIoError;
 use mser3d_results::ResultsError;
 use mser3d_viewer::ViewerError;
 
@@ -13,19 +15,15 @@ pub enum CliError {
     #[error("{0}")]
     Usage(String),
     #[error(transparent)]
-    File(#[from] mser3d_meshio::MeshIoError),
+    File(#[from] mser3d_fileio::FileError),
     #[error(transparent)]
     Volume(#[from] mser3d_volumeio::VolumeIoError),
     #[error(transparent)]
     Collection(#[from] CollectionError),
     #[error(transparent)]
-    Results(#[from] mser3d_results::ResultsError),
+    Results(#[from] ResultsError),
     #[error("{}: {source}{}", path.display(), advice(source))]
     Shape { path: PathBuf, source: mser3d::Error },
-    #[error("{}: the mask is zero everywhere: there is no solid", path.display())]
-    EmptyMask { path: PathBuf },
-    #[error("{}: cannot be used as output folder: {source}; choose another with -o", path.display())]
-    OutputFolder { path: PathBuf, source: std::io::Error },
     #[error("interrupted; nothing was written")]
     Interrupted,
     /// A batch went through, but not with all shapes.
@@ -47,14 +45,30 @@ fn advice(error: &mser3d::Error) -> &'static str {
 }
 
 impl CliError {
+    /// Why there are no features of a file.
+    pub fn detection(path: &Path, source: mser3d::Error) -> Self {
+        match source {
+            mser3d::Error::Cancelled => Self::Interrupted,
+            source => Self::Shape { path: path.to_owned(), source },
+        }
+    }
+
     pub fn exit_code(&self) -> ExitCode {
-        let wrong_option = |e: &ResultsError| {
-            matches!(e, ResultsError::Viewer(ViewerError::BadOption { .. }) | ResultsError::Export { .. })
-        };
         let wrong_use = match self {
             Self::Usage(_) => true,
-            Self::Results(error) => wrong_option(error),
-            Self::Collection(error) => matches!(error, CollectionError::BadParameter { .. }),
+            Self::Results(error) => matches!(
+                error,
+                ResultsError::Viewer(ViewerError::BadOption { .. })
+                    | ResultsError::Mesh(MeshIoError::InvalidParameter(_))
+                    | ResultsError::Export { .. }
+                    | ResultsError::NoMesh { .. }
+                    | ResultsError::NoOrder { .. }
+            ),
+            Self::Collection(error) => matches!(
+                error,
+                CollectionError::InvalidParameter(_)
+                    | CollectionError::GroundTruth(mser3d_evaluation::EvaluationError::InvalidParameter(_))
+            ),
             _ => false,
         };
         ExitCode::from(match self {
@@ -64,4 +78,15 @@ impl CliError {
             _ => 1,
         })
     }
+}
+
+/// Writes to standard output.
+pub fn print(text: &str) -> Result<(), CliError> {
+    std::io::stdout().lock().write_all(text.as_bytes()).map_err(CliError::Stdout)
+}
+
+/// Writes a value to standard output as JSON.
+pub fn print_json(value: &impl serde::Serialize) -> Result<(), CliError> {
+    let text = serde_json::to_string_pretty(value).map_err(|e| CliError::Stdout(e.into()))?;
+    print(&(text + "\n"))
 }

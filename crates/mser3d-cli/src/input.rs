@@ -2,10 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use mser3d::shape::{BitGrid, Frame, TriangleMesh};
-use mser3d_meshio::{LoadedMesh, MeshFormat, MeshIoError, ReadOptions, read_mask, read_mesh_from};
-use mser3d_volumeio::{VolumeFormat, read_volume};
-use sha2::{Digest, Sha256};
+use mser3d_meshio::ReadOptions;
+use mser3d_results::ShapeFile;
 
 use crate::error::CliError;
 
@@ -19,101 +17,35 @@ pub struct InputArgs {
     #[arg(long, value_name = "NAME", help_heading = "Input")]
     pub animation: Option<String>,
     /// When in the animation, in seconds
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, help_heading = "Input")]
+    #[arg(long, value_name = "SECONDS", default_value_t = ReadOptions::default().time, help_heading = "Input")]
     pub time: f64,
 }
 
-/// What the file holds.
-pub enum Contents {
-    Mesh(Box<LoadedMesh>),
-    /// The voxels inside, and their grid.
-    Mask(BitGrid, Frame),
-}
-
-/// A file that was read.
-pub struct Input {
-    pub path: PathBuf,
-    pub sha256: String,
-    pub bytes: u64,
-    pub contents: Contents,
-}
-
-impl Input {
-    pub fn read(args: &InputArgs) -> Result<Self, CliError> {
-        let path = &args.input;
-        let options = ReadOptions { animation: args.animation.clone(), time: args.time };
-        if let Err(MeshIoError::BadParameter { parameter, reason }) = options.validate() {
-            return Err(CliError::Usage(format!("--{parameter}: {reason}")));
-        }
-        let read = |source| MeshIoError::Read { path: path.clone(), source };
-        let bytes = std::fs::read(path).map_err(read)?;
-        let sha256 = hex(Sha256::digest(&bytes));
-        let format = VolumeFormat::of(path);
-        if format.is_some() && args.animation.is_some() {
-            return Err(CliError::Usage(
-                "--animation needs a glTF file; a voxel mask has no animations".into(),
-            ));
-        }
-        let contents = if let Some(format) = format {
-            let (mask, frame) = read_solid(path, format)?;
-            Contents::Mask(mask, frame)
-        } else {
-            let format = MeshFormat::of(path, &bytes)?;
-            Contents::Mesh(Box::new(read_mesh_from(format, &bytes, path, &options)?))
-        };
-        let input = Self { path: path.clone(), sha256, bytes: bytes.len() as u64, contents };
-        let counts = input.mesh().map(|mesh| (mesh.vertices().len(), mesh.triangles().len()));
-        let (vertices, triangles) = counts.unzip();
-        tracing::info!(path = %path.display(), format = input.format(), vertices, triangles, "read");
-        Ok(input)
-    }
-
-    pub fn mesh(&self) -> Option<&TriangleMesh> {
-        self.loaded().map(|loaded| &loaded.mesh)
-    }
-
-    pub fn loaded(&self) -> Option<&LoadedMesh> {
-        match &self.contents {
-            Contents::Mesh(loaded) => Some(loaded),
-            Contents::Mask(..) => None,
-        }
-    }
-
-    /// A hash of the mesh's vertices and triangles.
-    pub fn mesh_sha256(&self) -> Option<String> {
-        let mesh = self.mesh()?;
-        let mut hash = Sha256::new();
-        hash.update((mesh.vertices().len() as u64).to_le_bytes());
-        mesh.vertices().iter().flatten().for_each(|x| hash.update(x.to_le_bytes()));
-        mesh.triangles().iter().flatten().for_each(|v| hash.update(v.to_le_bytes()));
-        Some(hex(hash.finalize()))
-    }
-
-    pub fn format(&self) -> String {
-        match (self.loaded(), VolumeFormat::of(&self.path)) {
-            (Some(loaded), _) => loaded.format.to_string(),
-            (None, Some(format)) => format!("{format} mask"),
-            (None, None) => "mask".into(),
-        }
+impl InputArgs {
+    pub fn read(&self) -> Result<ShapeFile, CliError> {
+        let pose = ReadOptions { animation: self.animation.clone(), time: self.time };
+        Ok(ShapeFile::read(&self.input, &pose)?)
     }
 }
 
-fn hex(digest: impl AsRef<[u8]>) -> String {
-    digest.as_ref().iter().map(|b| format!("{b:02x}")).collect()
+/// The output that is meant when none is named: after the input, in the current folder.
+pub fn output_beside(input: &Path, ending: &str) -> PathBuf {
+    let name = input.file_name().unwrap_or_default().to_string_lossy();
+    let name = name.strip_suffix(".gz").unwrap_or(&name);
+    let stem = Path::new(name).file_stem().unwrap_or_default().to_string_lossy();
+    PathBuf::from(format!("{stem}{ending}"))
 }
 
-/// A mask, and its grid: of an array, which has no place of its own, that of voxels of size 1 from the origin on.
-fn read_solid(path: &Path, format: VolumeFormat) -> Result<(BitGrid, Frame), CliError> {
-    let failed = |e| CliError::Shape { path: path.to_path_buf(), source: mser3d::Error::from(e) };
-    if format == VolumeFormat::Npy {
-        let mask = read_mask(path)?;
-        let frame = Frame::new(mask.dims(), [0.0; 3], [1.0; 3]).map_err(failed)?;
-        return Ok((mask, frame));
+/// The same for a folder. One that is there and holds something else is not written into unasked.
+pub fn folder_beside(input: &Path, ours: &[&str]) -> Result<PathBuf, CliError> {
+    let folder = output_beside(input, "");
+    let is_ours = ours.iter().any(|name| folder.join(name).exists());
+    let is_empty = std::fs::read_dir(&folder).is_ok_and(|mut entries| entries.next().is_none());
+    if folder.exists() && !is_ours && !is_empty {
+        let name = folder.display();
+        return Err(CliError::Usage(format!(
+            "{name} is there already and holds no result; say with -o where the results go"
+        )));
     }
-    let volume = read_volume(path)?;
-    let mask = volume.mask()?;
-    if mask.count_ones() == 0 {
-        return Err(CliError::EmptyMask { path: path.to_path_buf() });
-    }
-    Ok((mask, volume.frame()?))
+    Ok(folder)
 }

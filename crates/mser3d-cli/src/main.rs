@@ -1,25 +1,24 @@
 //! `mser3d`: stable volumetric regions of 3D shapes, at the command line.
 //!
-//! Thin by design: arguments, progress and files. The work is done by the crate `mser3d`.
+//! Thin by design: arguments, progress, tables and exit codes. The work is done by the libraries.
 
 mod batch;
+mod choice;
 mod detect;
 mod error;
 mod export;
-mod generate;
 mod input;
 mod inspect;
 mod interrupt;
 mod log;
-mod machine;
 mod matching;
 mod msv;
 mod options;
-mod output;
 mod progress;
 mod query;
 mod render;
 mod run_options;
+mod shell;
 mod table;
 mod version;
 mod view;
@@ -84,10 +83,10 @@ enum Command {
     #[command(
         after_help = "bash: mser3d completions bash > ~/.local/share/bash-completion/completions/mser3d"
     )]
-    Completions(generate::CompletionsArgs),
+    Completions(shell::CompletionsArgs),
     /// Write manual pages
     #[command(after_help = "Read them with: man DIR/mser3d-detect.1")]
-    Man(generate::ManArgs),
+    Man(shell::ManArgs),
 }
 
 fn main() -> ExitCode {
@@ -103,8 +102,8 @@ fn main() -> ExitCode {
         Command::Match(args) => matching::run(args),
         Command::Batch(args) => batch::run(args),
         Command::Query(args) => query::run(args),
-        Command::Completions(args) => generate::completions(args),
-        Command::Man(args) => generate::man(args),
+        Command::Completions(args) => shell::completions(args),
+        Command::Man(args) => shell::man(args),
     });
     match result {
         Ok(()) => ExitCode::SUCCESS,

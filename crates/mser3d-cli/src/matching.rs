@@ -1,18 +1,18 @@
 //! `mser3d match`: which regions of two shapes are the same.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use clap::ValueEnum;
 use mser3d::descriptors::{MatchParameters, MatchRule};
-use mser3d_collection::{CollectionError, Matching, Shape, Verdict, judge, match_shapes};
-use mser3d_meshio::write_atomically;
-use mser3d_results::{Match, RenderOptions, Results};
-use serde_json::json;
+use mser3d_collection::{
+    CollectionError, DescribedResult, MatchRecord, Matching, judge_matching, match_results,
+};
+use mser3d_evaluation::{Verdict, read_symmetry};
+use mser3d_fileio::{write_atomically, write_text};
+use mser3d_results::{RegionPair, RenderOptions, Results, ResultsError, Up};
 
-use crate::error::CliError;
-use crate::render::UpAxis;
+use crate::choice::choice;
+use crate::error::{CliError, print};
 
 #[derive(clap::Args)]
 pub struct MatchArgs {
@@ -28,11 +28,11 @@ pub struct MatchArgs {
     #[arg(long, requires = "output")]
     pub html: bool,
     /// Axis that points up, in the picture and on the page
-    #[arg(long, value_enum, default_value_t = UpAxis::Y)]
-    pub up: UpAxis,
+    #[arg(long, value_parser = choice::<Up>(), default_value_t = Up::default())]
+    pub up: Up,
     /// How partners are chosen
-    #[arg(long, value_enum, default_value_t = RuleArg::Nearest)]
-    pub rule: RuleArg,
+    #[arg(long, value_parser = choice::<MatchRule>(), default_value_t = MatchParameters::default().rule)]
+    pub rule: MatchRule,
     /// Ratio test: drop matches at least this times as far as the next best (off by default; on a
     /// symmetric shape it drops one of many pairs)
     #[arg(long, value_name = "R")]
@@ -41,7 +41,7 @@ pub struct MatchArgs {
     #[arg(long, value_name = "D")]
     pub max_distance: Option<f64>,
     /// Call a match ambiguous from this ratio to the next best on
-    #[arg(long, value_name = "R", default_value_t = 0.8)]
+    #[arg(long, value_name = "R", default_value_t = MatchParameters::default().ambiguity)]
     pub ambiguity: f64,
     /// Print JSON instead of a table
     #[arg(long)]
@@ -56,58 +56,34 @@ pub struct MatchArgs {
     pub symmetry: Option<PathBuf>,
     /// Overlap from which a match is right
     #[arg(long, value_name = "F", default_value_t = 0.8, help_heading = "Ground truth")]
-    pub overlap: f64,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum, PartialEq, Eq)]
-pub enum RuleArg {
-    /// The nearest region; several regions, such as both arms, may get the same one
-    Nearest,
-    /// Only pairs that are nearest to each other
-    Mutual,
-    /// No partner twice, and the sum of distances as small as can be
-    OneToOne,
+    pub min_overlap: f64,
 }
 
 pub fn run(args: &MatchArgs) -> Result<(), CliError> {
     let parameters = MatchParameters {
-        rule: match args.rule {
-            RuleArg::Nearest => MatchRule::Nearest,
-            RuleArg::Mutual => MatchRule::Mutual,
-            RuleArg::OneToOne => MatchRule::OneToOne,
-        },
+        rule: args.rule,
         max_ratio: args.max_ratio,
         max_distance: args.max_distance,
         ambiguity: args.ambiguity,
     };
     parameters.validate().map_err(|e| CliError::Usage(format!("wrong parameter: {e}")))?;
-    let (first, second) = (Shape::load(&args.first)?, Shape::load(&args.second)?);
-    let mut matching = match_shapes(&first, &second, &parameters)?;
+    let (first, second) = (DescribedResult::load(&args.first)?, DescribedResult::load(&args.second)?);
+    let mut matching = match_results(&first, &second, &parameters)?;
     if args.same_vertices {
         let vertices = first.results.mesh.vertices().len();
-        let read = |path: &PathBuf| mser3d_shrec11::read_symmetry(path, vertices);
-        let mirror = args.symmetry.as_ref().map(read).transpose().map_err(CollectionError::from)?;
-        judge(&mut matching, &first, &second, mirror, args.overlap)?;
+        let mirror = args.symmetry.as_ref().map(|path| read_symmetry(path, vertices)).transpose();
+        let mirror = mirror.map_err(CollectionError::from)?;
+        judge_matching(&mut matching, &first, &second, mirror, args.min_overlap)?;
     }
-    let json = json!({
-        "mser3d": env!("CARGO_PKG_VERSION"),
-        "first": args.first.to_string_lossy(),
-        "second": args.second.to_string_lossy(),
-        "rule": args.rule.to_possible_value().map(|v| v.get_name().to_owned()),
-        "max_ratio": args.max_ratio,
-        "max_distance": args.max_distance,
-        "ambiguity": args.ambiguity,
-        "result": matching,
-    });
-    let json = format!("{json:#}\n");
+    let record = MatchRecord::new(&first, &second, &parameters, &matching);
+    let json = serde_json::to_string_pretty(&record).map_err(|e| CliError::Stdout(e.into()))? + "\n";
     if let Some(folder) = &args.output {
         write(folder, &first.results, &second.results, &matching, &json, args)?;
     }
     for warning in &matching.warnings {
         eprintln!("mser3d: warning: {warning}");
     }
-    let text = if args.json { json } else { table(&matching) };
-    std::io::stdout().lock().write_all(text.as_bytes()).map_err(CliError::Stdout)
+    print(&if args.json { json } else { table(&matching) })
 }
 
 fn write(
@@ -118,22 +94,20 @@ fn write(
     json: &str,
     args: &MatchArgs,
 ) -> Result<(), CliError> {
-    let fail = |source| CliError::OutputFolder { path: folder.to_path_buf(), source };
+    let fail = |error| ResultsError::OutputFolder { path: folder.to_path_buf(), error };
     std::fs::create_dir_all(folder).map_err(fail)?;
-    let text =
-        |name: &str, text: &str| write_atomically(&folder.join(name), |out| out.write_all(text.as_bytes()));
-    text("matches.csv", &matching.to_csv())?;
+    write_text(&folder.join("matches.csv"), &matching.to_csv())?;
     let pairs = matching.matches.iter();
-    let pairs: Vec<Match> =
-        pairs.map(|m| Match { first: m.partner, second: m.region, distance: m.distance }).collect();
-    let options = RenderOptions { height: 600, up: args.up.into(), ..RenderOptions::default() };
+    let pairs: Vec<RegionPair> =
+        pairs.map(|m| RegionPair { first: m.partner, second: m.region, distance: m.distance }).collect();
+    let options = RenderOptions { height: 600, up: args.up, ..RenderOptions::default() };
     let sheet = first.match_sheet(second, &pairs, &options)?;
     write_atomically(&folder.join("matches.png"), |out| sheet.write_png(out).map_err(std::io::Error::other))?;
     if args.html {
         let title = format!("Regions of {} matched to {}", second.name(), first.name());
-        text("matches.html", &first.match_page(second, &pairs, &title, args.up.into())?)?;
+        write_text(&folder.join("matches.html"), &first.match_page(second, &pairs, &title, args.up)?)?;
     }
-    Ok(text("matches.json", json)?)
+    Ok(write_text(&folder.join("matches.json"), json)?)
 }
 
 fn table(matching: &Matching) -> String {
@@ -153,12 +127,8 @@ fn table(matching: &Matching) -> String {
             optional(ratio, 2),
         );
         if let Some(truth) = m.truth {
-            let verdict = match truth.verdict {
-                Verdict::OtherSide => "other side",
-                other => other.name(),
-            };
             let mirrored = optional(truth.mirrored_overlap, 2);
-            let _ = write!(text, "  {:>7.2}  {mirrored:>8}  {verdict:<10}", truth.overlap);
+            let _ = write!(text, "  {:>7.2}  {mirrored:>8}  {:<10}", truth.overlap, truth.verdict);
         }
         let note = match m.rival {
             Some(rival) if m.symmetric => format!("or {rival}: left and right look alike"),

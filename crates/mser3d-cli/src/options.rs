@@ -1,16 +1,17 @@
-//! Command-line options that become [`Parameters`].
+//! Command-line options that become [`Parameters`]. Defaults and the names of choices are the library's.
 
 use std::path::PathBuf;
 
-use clap::ValueEnum;
-use mser3d::comptree::{AltitudeScale, Mode, Polarity};
-use mser3d::descriptors::{HksParameters, SiHksParameters, TimeScale};
+use mser3d::comptree::{AltitudeScale, Polarity, PoolParameters, StabilityParameters, StabilityRule};
+use mser3d::descriptors::TimeScale;
 use mser3d::shape::Domain;
-use mser3d::spectral::{Eigensolver, Extent};
-use mser3d::{Descriptor, Parameters, Weight};
+use mser3d::spectral::{EigenpairRange, Eigensolver, SpectrumParameters};
+use mser3d::{DescriptorKind, Parameters, Weight, available_memory};
+use mser3d_collection::SpectrumCache;
+use mser3d_results::ShapeFile;
 
+use crate::choice::choice;
 use crate::error::CliError;
-use crate::machine::available_memory;
 use crate::voxel_options::VoxelOptions;
 
 /// Options of everything that computes regions.
@@ -18,14 +19,14 @@ use crate::voxel_options::VoxelOptions;
 pub struct RegionOptions {
     /// Search the surface instead of the volume inside
     #[arg(long, help_heading = "Method",
-          conflicts_with_all = ["size", "origin", "connectivity", "inside", "overlap", "no_cut_links", "open",
-                                "close"])]
+          conflicts_with_all = ["size", "origin", "connectivity", "inside", "overlap", "no_cut_links",
+                                "morphology"])]
     pub surface: bool,
     /// What the component tree is built on
-    #[arg(long, value_enum, default_value_t = WeightArg::Heat, help_heading = "Method")]
-    pub weight: WeightArg,
+    #[arg(long, value_parser = choice::<Weight>(), default_value_t = Weight::default(), help_heading = "Method")]
+    pub weight: Weight,
     /// Time scales, in units of volume^(2/3) (surface: area); one tree each, regions pooled
-    #[arg(long, value_name = "T_REL,...", value_delimiter = ',', default_values_t = [0.25, 2.0],
+    #[arg(long, value_name = "T_REL,...", value_delimiter = ',', default_values_t = relative_times(),
           value_parser = positive, help_heading = "Method")]
     pub time_scale: Vec<f64>,
     /// Time scales in squared units of the input's coordinates, instead of --time-scale
@@ -43,8 +44,8 @@ pub struct RegionOptions {
     #[arg(long, value_name = "MEASURE", value_parser = positive, help_heading = "Method")]
     pub reference_measure: Option<f64>,
     /// Which way the tree grows [default: the one that finds limbs]
-    #[arg(long, value_enum, help_heading = "Method")]
-    pub polarity: Option<PolarityArg>,
+    #[arg(long, value_parser = choice::<Polarity>(), help_heading = "Method")]
+    pub polarity: Option<Polarity>,
 
     #[command(flatten)]
     pub voxels: VoxelOptions,
@@ -56,12 +57,14 @@ pub struct RegionOptions {
     #[arg(long, value_name = "X", conflicts_with = "eigenpairs", help_heading = "Spectrum")]
     pub lambda_max: Option<f64>,
     /// Largest relative residual of an eigenpair
-    #[arg(long, value_name = "R", default_value = "1e-9", help_heading = "Spectrum")]
+    #[arg(long, value_name = "R", default_value = tolerance(), help_heading = "Spectrum")]
     pub tolerance: f64,
     /// How eigenpairs are found
-    #[arg(long, value_enum, default_value_t = SolverArg::Auto, help_heading = "Spectrum")]
-    pub solver: SolverArg,
-    /// Refuse to start when the spectrum needs more memory, in MB [default: 80 % of what is free]
+    #[arg(long, value_parser = choice::<Eigensolver>(), default_value_t = Eigensolver::default(),
+          help_heading = "Spectrum")]
+    pub solver: Eigensolver,
+    /// Refuse to start when the spectrum needs more memory, in MB [default: 80 % of what is free on Linux; no
+    /// limit elsewhere]
     #[arg(long, value_name = "MB", help_heading = "Spectrum")]
     pub memory_limit: Option<u64>,
     /// Keep spectra in this folder and take them from there; results are the same with and without
@@ -69,111 +72,41 @@ pub struct RegionOptions {
     pub cache: Option<PathBuf>,
 
     /// How stable regions are chosen
-    #[arg(long, value_enum, default_value_t = ModeArg::Windowed, help_heading = "Regions")]
-    pub mode: ModeArg,
+    #[arg(long, alias = "mode", value_parser = choice::<StabilityRule>(),
+          default_value_t = StabilityParameters::default().rule, help_heading = "Regions")]
+    pub stability_rule: StabilityRule,
     /// Half width of the stability window, in units of (log) altitude
-    #[arg(long, value_name = "D", value_parser = positive, default_value_t = 0.2, help_heading = "Regions")]
+    #[arg(long, value_name = "D", value_parser = positive, default_value_t = StabilityParameters::default().window,
+          help_heading = "Regions")]
     pub window: f64,
     /// Scale on which altitude, and so stability, is measured
-    #[arg(long, value_enum, default_value_t = AltitudeArg::Log, help_heading = "Regions")]
-    pub altitude: AltitudeArg,
+    #[arg(long, value_parser = choice::<AltitudeScale>(),
+          default_value_t = StabilityParameters::default().altitude, help_heading = "Regions")]
+    pub altitude: AltitudeScale,
     /// Smallest region, as a fraction of the whole
-    #[arg(long, value_name = "F", value_parser = fraction, default_value_t = 0.01, help_heading = "Regions")]
+    #[arg(long, value_name = "F", value_parser = fraction,
+          default_value_t = StabilityParameters::default().min_volume_fraction, help_heading = "Regions")]
     pub min_volume: f64,
     /// Largest region, as a fraction of the whole
-    #[arg(long, value_name = "F", value_parser = fraction, default_value_t = 0.75, help_heading = "Regions")]
+    #[arg(long, value_name = "F", value_parser = fraction,
+          default_value_t = StabilityParameters::default().max_volume_fraction, help_heading = "Regions")]
     pub max_volume: f64,
     /// How much smaller than the next larger region a nested one must be, as a fraction
-    #[arg(long, value_name = "F", value_parser = fraction, default_value_t = 0.2, help_heading = "Regions")]
+    #[arg(long, value_name = "F", value_parser = fraction,
+          default_value_t = StabilityParameters::default().min_diversity, help_heading = "Regions")]
     pub min_diversity: f64,
     /// Drop regions that are less stable [default: none]
     #[arg(long, value_name = "S", help_heading = "Regions")]
     pub min_stability: Option<f64>,
     /// Overlap from which regions of two time scales are one
-    #[arg(long, value_name = "F", value_parser = fraction, default_value_t = 0.8, help_heading = "Regions")]
+    #[arg(long, value_name = "F", value_parser = fraction,
+          default_value_t = PoolParameters::default().duplicate_overlap, help_heading = "Regions")]
     pub duplicate_overlap: f64,
     /// Heat kernel signature that describes a region
-    #[arg(long, value_enum, default_value_t = DescriptorArg::SizedSiHks, help_heading = "Regions")]
-    pub descriptor: DescriptorArg,
+    #[arg(long, value_parser = choice::<DescriptorKind>(), default_value_t = DescriptorKind::default(),
+          help_heading = "Regions")]
+    pub descriptor: DescriptorKind,
 }
-
-macro_rules! choices {
-    ($name:ident { $($(#[$doc:meta])* $variant:ident),* $(,)? }) => {
-        #[derive(Clone, Copy, Debug, ValueEnum, PartialEq, Eq)]
-        pub enum $name { $($(#[$doc])* $variant),* }
-    };
-}
-
-choices!(WeightArg {
-    /// The heat kernel H_t(v,v): heat that stays
-    Heat,
-    /// The commute time, which has no time scale
-    Commute,
-    /// 1/H_t(u,v) of neighbours: where heat passes badly
-    Edge,
-});
-choices!(PolarityArg {
-    /// Regions where the weight is low
-    Sublevel,
-    /// Regions where the weight is high
-    Superlevel,
-});
-choices!(ConnectivityArg {
-    /// Across faces
-    #[value(name = "6")]
-    Six,
-    /// Across faces, edges and corners
-    #[value(name = "26")]
-    TwentySix,
-});
-choices!(MethodArg {
-    /// What the mesh needs, as `mser3d inspect` says
-    Auto,
-    /// Crossings of rays along x, counted modulo 2: closed meshes only
-    Parity,
-    /// The same along x, y and z, and the majority
-    Vote,
-    /// The winding number: for open and overlapping meshes too
-    Winding,
-});
-choices!(OverlapArg {
-    /// A surface that overlaps itself is parted, different bodies are joined
-    Auto,
-    /// Voxels that are covered twice are left out
-    Part,
-    /// Voxels that are covered twice belong to the solid
-    Join,
-});
-choices!(SolverArg {
-    /// The faster one for the shape
-    Auto,
-    /// Block Lanczos on the inverse, by sparse factorization
-    ShiftInvert,
-    /// Block Lanczos on a polynomial, without a matrix: voxels only
-    Filter,
-});
-choices!(ModeArg {
-    /// Change over a window of altitude, on branches that end at real merges
-    Windowed,
-    /// As published: differences of neighbouring nodes
-    Paper,
-    /// Every node that is well larger than the last: what stability has to beat
-    Baseline,
-});
-choices!(AltitudeArg {
-    /// Logarithm of the weight: regions don't depend on the shape's size
-    Log,
-    /// The weight itself
-    Linear,
-});
-choices!(DescriptorArg {
-    /// SI-vHKS, and the region's share of the volume: neither changes with the shape's size
-    SizedSiHks,
-    /// SI-vHKS alone, as in the paper
-    SiHks,
-    /// vHKS
-    Hks,
-});
 
 impl RegionOptions {
     pub fn domain(&self) -> Domain {
@@ -182,59 +115,76 @@ impl RegionOptions {
 
     /// The library's parameters; values out of range are wrong use.
     pub fn parameters(&self) -> Result<Parameters, CliError> {
-        let mut p = Parameters { voxelize: self.voxels.parameters()?, ..Parameters::default() };
-        p.spectrum.eigenpairs = match (self.eigenpairs, self.lambda_max) {
-            (Some(count), _) => Extent::Count(count),
-            (None, Some(bound)) => Extent::Below(bound),
-            (None, None) => p.spectrum.eigenpairs,
+        let defaults = SpectrumParameters::default();
+        let free = || available_memory().map(|m| m / 5 * 4);
+        let parameters = Parameters {
+            voxelize: self.voxels.parameters()?,
+            spectrum: SpectrumParameters {
+                eigenpairs: match (self.eigenpairs, self.lambda_max) {
+                    (Some(count), _) => EigenpairRange::Count(count),
+                    (None, Some(bound)) => EigenpairRange::LambdaMax(bound),
+                    (None, None) => defaults.eigenpairs,
+                },
+                tolerance: self.tolerance,
+                solver: self.solver,
+                memory_limit: self.memory_limit.map(|mb| mb.saturating_mul(1_000_000)).or_else(free),
+                ..defaults
+            },
+            weight: self.weight,
+            polarity: self.polarity,
+            time_scales: if self.absolute_time.is_empty() {
+                self.time_scale.iter().copied().map(TimeScale::Relative).collect()
+            } else {
+                self.absolute_time.iter().copied().map(TimeScale::Absolute).collect()
+            },
+            reference_measure: self.reference_measure,
+            stability: StabilityParameters {
+                rule: self.stability_rule,
+                window: self.window,
+                altitude: self.altitude,
+                min_volume_fraction: self.min_volume,
+                max_volume_fraction: self.max_volume,
+                min_diversity: self.min_diversity,
+                min_stability: self.min_stability,
+            },
+            pool: PoolParameters { duplicate_overlap: self.duplicate_overlap },
+            descriptor: self.descriptor.into(),
         };
-        p.spectrum.tolerance = self.tolerance;
-        p.spectrum.solver = match self.solver {
-            SolverArg::Auto => Eigensolver::Auto,
-            SolverArg::ShiftInvert => Eigensolver::ShiftInvert,
-            SolverArg::Filter => Eigensolver::Filter,
-        };
-        p.spectrum.memory_limit = self
-            .memory_limit
-            .map(|mb| mb.saturating_mul(1_000_000))
-            .or_else(|| available_memory().map(|m| m / 5 * 4));
-        p.weight = match self.weight {
-            WeightArg::Heat => Weight::Heat,
-            WeightArg::Commute => Weight::CommuteTime,
-            WeightArg::Edge => Weight::HeatEdge,
-        };
-        p.polarity = self.polarity.map(|polarity| match polarity {
-            PolarityArg::Sublevel => Polarity::Sublevel,
-            PolarityArg::Superlevel => Polarity::Superlevel,
-        });
-        p.time_scales = if self.absolute_time.is_empty() {
-            self.time_scale.iter().copied().map(TimeScale::Relative).collect()
-        } else {
-            self.absolute_time.iter().copied().map(TimeScale::Absolute).collect()
-        };
-        p.reference_measure = self.reference_measure;
-        p.stability.mode = match self.mode {
-            ModeArg::Windowed => Mode::Windowed { window: self.window },
-            ModeArg::Paper => Mode::Paper,
-            ModeArg::Baseline => Mode::Baseline,
-        };
-        p.stability.scale = match self.altitude {
-            AltitudeArg::Log => AltitudeScale::Log,
-            AltitudeArg::Linear => AltitudeScale::Linear,
-        };
-        p.stability.min_volume_fraction = self.min_volume;
-        p.stability.max_volume_fraction = self.max_volume;
-        p.stability.min_diversity = self.min_diversity;
-        p.stability.min_stability = self.min_stability;
-        p.pool.duplicate_overlap = self.duplicate_overlap;
-        p.descriptor = match self.descriptor {
-            DescriptorArg::SizedSiHks => Descriptor::SizedSiHks(SiHksParameters::default()),
-            DescriptorArg::SiHks => Descriptor::SiHks(SiHksParameters::default()),
-            DescriptorArg::Hks => Descriptor::Hks(HksParameters::default()),
-        };
-        p.validate().map_err(|e| CliError::Usage(format!("wrong parameter: {e}")))?;
-        Ok(p)
+        parameters.validate().map_err(|e| CliError::Usage(format!("wrong parameter: {e}")))?;
+        Ok(parameters)
     }
+
+    /// Refuses options that the file has no use for.
+    pub fn check(&self, file: &ShapeFile) -> Result<(), CliError> {
+        if file.mesh().is_some() {
+            return Ok(());
+        }
+        file.input(self.domain())?;
+        match self.voxels.first_given() {
+            Some(option) => {
+                Err(CliError::Usage(format!("{option} needs a mesh; a voxel mask is voxels already")))
+            }
+            None => Ok(()),
+        }
+    }
+
+    pub fn cache(&self) -> Result<Option<SpectrumCache>, CliError> {
+        Ok(self.cache.as_deref().map(SpectrumCache::open).transpose()?)
+    }
+}
+
+/// The default time scales, which are relative.
+fn relative_times() -> Vec<f64> {
+    let relative = |scale| match scale {
+        TimeScale::Relative(t) => Some(t),
+        TimeScale::Absolute(_) => None,
+    };
+    Parameters::default().time_scales.into_iter().filter_map(relative).collect()
+}
+
+/// The default tolerance as people write it.
+fn tolerance() -> String {
+    format!("{:e}", SpectrumParameters::default().tolerance)
 }
 
 /// A whole number that is at least one.

@@ -1,27 +1,25 @@
-//! Progress bars on stderr, and a note of the memory each stage took.
+//! Progress bars on stderr.
 
 use std::ops::ControlFlow;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
-use mser3d::{Progress, Stage};
+use mser3d::Progress;
+use mser3d::shape::Choice;
 use mser3d_collection::{Event, Outcome};
 
 use crate::interrupt;
 use crate::log;
-use crate::machine::peak_memory;
 
 /// Bars are for terminals, and for users who asked neither for quiet nor for a log.
 fn target(quiet: bool) -> ProgressDrawTarget {
     if quiet || log::is_on() { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() }
 }
 
-/// Listens to [`mser3d::detect`].
+/// Listens to a [`mser3d::Detector`].
 pub struct Meter {
     bar: ProgressBar,
-    seen: Mutex<Vec<(Stage, Option<u64>)>>,
 }
 
 impl Meter {
@@ -31,38 +29,19 @@ impl Meter {
         if let Ok(style) = ProgressStyle::with_template("{msg:12} [{bar:30}] {pos}/{len} {elapsed}") {
             bar.set_style(style.progress_chars("=> "));
         }
-        Self { bar, seen: Mutex::new(Vec::new()) }
+        Self { bar }
     }
 
     pub fn report(&self, progress: Progress) -> ControlFlow<()> {
         self.bar.set_length(progress.total as u64);
         self.bar.set_position(progress.done as u64);
         self.bar.set_message(progress.stage.name());
-        if let Ok(mut seen) = self.seen.lock() {
-            let peak = peak_memory();
-            match seen.iter_mut().find(|(stage, _)| *stage == progress.stage) {
-                Some(entry) => entry.1 = peak,
-                None => {
-                    // The first word of a stage ends the one before.
-                    if let Some(last) = seen.last_mut() {
-                        last.1 = peak;
-                    }
-                    seen.push((progress.stage, peak));
-                }
-            }
-        }
         if interrupt::is_requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
     /// Tells the user something, beside the bar.
     pub fn warn(&self, what: &str) {
         self.bar.suspend(|| eprintln!("mser3d: warning: {what}"));
-    }
-
-    /// The most memory held up to the end of a stage, in bytes.
-    pub fn peak_until(&self, stage: Stage) -> Option<u64> {
-        let seen = self.seen.lock().ok()?;
-        seen.iter().find(|(s, _)| *s == stage).and_then(|(_, peak)| *peak)
     }
 
     pub fn finish(&self) {
@@ -114,6 +93,11 @@ impl BatchMeter {
         self.bar.set_length(event.total as u64);
         self.bar.set_position(event.through as u64);
         self.bar.set_message(remaining);
+    }
+
+    /// Tells the user something, beside the bar.
+    pub fn warn(&self, what: &str) {
+        self.bar.suspend(|| eprintln!("mser3d: warning: {what}"));
     }
 
     pub fn finish(&self) {

@@ -1,16 +1,15 @@
 //! `mser3d query`: what in a collection is like the regions of a shape.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use mser3d_collection::{Hit, Index, Shape};
-use mser3d_meshio::write_atomically;
-use serde_json::json;
+use mser3d_collection::{DescribedResult, Index, RegionHits};
+use mser3d_fileio::write_text;
+use mser3d_results::Up;
 
-use crate::error::CliError;
+use crate::choice::choice;
+use crate::error::{CliError, print, print_json};
 use crate::options::count;
-use crate::render::UpAxis;
 
 #[derive(clap::Args)]
 pub struct QueryArgs {
@@ -34,15 +33,15 @@ pub struct QueryArgs {
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
     /// Axis that points up, in the pictures
-    #[arg(long, value_enum, default_value_t = UpAxis::Y)]
-    pub up: UpAxis,
+    #[arg(long, value_parser = choice::<Up>(), default_value_t = Up::default())]
+    pub up: Up,
 }
 
 pub fn run(args: &QueryArgs) -> Result<(), CliError> {
     let index = Index::load(&args.collection)?;
     let member = args.collection.join(&args.shape);
     let folder = if !args.shape.is_dir() && member.is_dir() { member } else { args.shape.clone() };
-    let shape = Shape::load(&folder)?;
+    let shape = DescribedResult::load(&folder)?;
     let itself = name_in(&args.collection, &folder).filter(|_| !args.include_itself);
     let all = index.nearest(&shape, args.k, itself.as_deref())?;
     let regions = shape.results.record.regions.len();
@@ -52,27 +51,16 @@ pub fn run(args: &QueryArgs) -> Result<(), CliError> {
             folder.display()
         )));
     }
-    let wanted = (0..).zip(all).filter(|(id, _)| args.region.is_none_or(|only| only == *id as usize));
-    let closest: Vec<(u32, Vec<Hit>)> = wanted.collect();
+    let wanted = all.into_iter().filter(|hits| args.region.is_none_or(|only| only == hits.region as usize));
+    let found: Vec<RegionHits> = wanted.collect();
     if let Some(path) = &args.html {
-        let page = index.page(&shape, &closest, args.up.into())?;
-        write_atomically(path, |out| out.write_all(page.as_bytes()))?;
+        write_text(path, &index.page(&shape, &found, args.up)?)?;
     }
-    let text = if args.json {
-        let regions: Vec<_> =
-            closest.iter().map(|(id, hits)| json!({"region": id, "closest": hits})).collect();
-        let json = json!({
-            "mser3d": env!("CARGO_PKG_VERSION"),
-            "collection": args.collection.to_string_lossy(),
-            "searched": index.len(),
-            "shape": folder.to_string_lossy(),
-            "regions": regions,
-        });
-        format!("{json:#}\n")
+    if args.json {
+        print_json(&index.record(&shape, found))
     } else {
-        table(&closest, &shape, index.len())
-    };
-    std::io::stdout().lock().write_all(text.as_bytes()).map_err(CliError::Stdout)
+        print(&table(&found, &shape, index.len()))
+    }
 }
 
 /// The name that a result has in a collection, if it is part of it.
@@ -82,11 +70,11 @@ fn name_in(collection: &Path, folder: &Path) -> Option<String> {
     folder.file_name().filter(|_| inside).map(|name| name.to_string_lossy().into_owned())
 }
 
-fn table(closest: &[(u32, Vec<Hit>)], shape: &Shape, searched: usize) -> String {
+fn table(found: &[RegionHits], shape: &DescribedResult, searched: usize) -> String {
     let mut text = String::from("region  measure %  rank   distance  measure %  region  shape\n");
-    for (id, hits) in closest {
+    for RegionHits { region: id, closest } in found {
         let own = 100.0 * shape.results.record.regions[*id as usize].volume_fraction;
-        for (rank, hit) in hits.iter().enumerate() {
+        for (rank, hit) in closest.iter().enumerate() {
             let query = if rank == 0 { format!("{id:>6}  {own:>9.2}") } else { " ".repeat(17) };
             let _ = writeln!(
                 text,

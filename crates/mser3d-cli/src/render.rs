@@ -3,19 +3,21 @@
 use std::path::PathBuf;
 
 use clap::ValueEnum;
-use mser3d_meshio::write_atomically;
-use mser3d_results::Results;
-use mser3d_viewer::{Panel, RenderOptions, Up, View, render};
+use mser3d_fileio::write_atomically;
+use mser3d_results::msv::MsvResults;
+use mser3d_results::{Image, RenderOptions, Results, ResultsError, Up};
+use mser3d_viewer::{Panel, View, render};
 
+use crate::choice::choice;
 use crate::error::CliError;
 
 #[derive(clap::Args)]
 pub struct RenderArgs {
-    /// Folder that `mser3d detect` wrote
+    /// Folder that `mser3d detect` or `mser3d msv` wrote
     pub folder: PathBuf,
-    /// Picture to write (PNG)
+    /// Picture to write, .png [default: regions.png in the folder]
     #[arg(short, long, value_name = "FILE")]
-    pub output: PathBuf,
+    pub output: Option<PathBuf>,
     /// What to draw, from left to right [default: all but voxels and top, inside for volumes]
     #[arg(long, value_enum, value_delimiter = ',', value_name = "VIEW,...")]
     pub views: Vec<Shot>,
@@ -32,8 +34,8 @@ pub struct RenderArgs {
     #[arg(long, value_name = "SHARE", default_value_t = 0.5)]
     pub cut_at: f64,
     /// Axis that points up
-    #[arg(long, value_enum, default_value_t = UpAxis::Y)]
-    pub up: UpAxis,
+    #[arg(long, value_parser = choice::<Up>(), default_value_t = Up::default())]
+    pub up: Up,
 }
 
 /// A view and what it shows.
@@ -57,21 +59,6 @@ pub enum Axis {
     Z,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum UpAxis {
-    Y,
-    Z,
-}
-
-impl From<UpAxis> for Up {
-    fn from(axis: UpAxis) -> Self {
-        match axis {
-            UpAxis::Y => Self::Y,
-            UpAxis::Z => Self::Z,
-        }
-    }
-}
-
 impl Shot {
     fn view(self) -> View {
         match self {
@@ -89,13 +76,29 @@ impl Shot {
 }
 
 pub fn run(args: &RenderArgs) -> Result<(), CliError> {
-    let results = Results::load(&args.folder)?;
-    let options = RenderOptions {
-        height: args.height,
-        columns: args.columns,
-        up: args.up.into(),
-        ..RenderOptions::default()
+    let output = args.output.clone().unwrap_or_else(|| args.folder.join("regions.png"));
+    if !output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
+        let name = output.display();
+        return Err(CliError::Usage(format!("{name}: pictures are written as PNG; end the name in .png")));
+    }
+    let options =
+        RenderOptions { height: args.height, columns: args.columns, up: args.up, ..RenderOptions::default() };
+    let picture = if MsvResults::is_in(&args.folder) {
+        if !args.views.is_empty() || args.cut_axis.is_some() {
+            let why = "--views and --cut-axis need a result of `mser3d detect`; one of `mser3d msv` has one picture";
+            return Err(CliError::Usage(why.into()));
+        }
+        MsvResults::load(&args.folder)?.sheet(&options)?
+    } else {
+        draw(args, &options)?
     };
+    let mut png = Vec::new();
+    picture.write_png(&mut png).map_err(ResultsError::from)?;
+    Ok(write_atomically(&output, |out| std::io::Write::write_all(out, &png))?)
+}
+
+fn draw(args: &RenderArgs, options: &RenderOptions) -> Result<Image, CliError> {
+    let results = Results::load(&args.folder)?;
     let solid = results.grid.is_some();
     let shots = match &args.views[..] {
         [] => [Shot::Front, Shot::ThreeQuarter, Shot::Side, Shot::Back, Shot::Inside]
@@ -107,7 +110,7 @@ pub fn run(args: &RenderArgs) -> Result<(), CliError> {
     if !solid && shots.iter().any(|s| [Shot::Inside, Shot::Voxels].contains(s)) {
         return Err(CliError::Usage("--views inside and voxels need a volume, and this is a surface".into()));
     }
-    let cut = results.cut(args.cut_axis.map(|axis| axis as usize), args.cut_at, args.up.into());
+    let cut = results.cut(args.cut_axis.map(|axis| axis as usize), args.cut_at, args.up);
     let surface = results.model()?;
     let mut open = None;
     let mut voxels = None;
@@ -128,9 +131,5 @@ pub fn run(args: &RenderArgs) -> Result<(), CliError> {
             Panel { model: model.unwrap_or(&surface), view: shot.view(), caption: shot.caption() }
         })
         .collect();
-    let picture = render(&panels, &options).map_err(mser3d_results::ResultsError::from)?;
-    let mut png = Vec::new();
-    picture.write_png(&mut png).map_err(mser3d_results::ResultsError::from)?;
-    write_atomically(&args.output, |out| std::io::Write::write_all(out, &png))?;
-    Ok(())
+    Ok(render(&panels, options).map_err(ResultsError::from)?)
 }

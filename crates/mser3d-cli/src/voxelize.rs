@@ -1,15 +1,14 @@
 //! `mser3d voxelize`: from a mesh to a voxel mask.
 
-use std::io::Write;
 use std::path::PathBuf;
 
 use mser3d::voxelize::{Voxelization, voxelize};
+use mser3d_results::VoxelizationRecord;
 use mser3d_volumeio::{Placement, Volume, VolumeFormat, write_nifti, write_npy};
-use serde_json::json;
+use serde::Serialize;
 
-use crate::error::CliError;
-use crate::input::{Input, InputArgs};
-use crate::output::method_name;
+use crate::error::{CliError, print, print_json};
+use crate::input::{InputArgs, output_beside};
 use crate::voxel_options::VoxelOptions;
 
 #[derive(clap::Args)]
@@ -17,9 +16,9 @@ pub struct VoxelizeArgs {
     #[command(flatten)]
     pub input: InputArgs,
     /// Mask to write, 1 inside and 0 outside: NIfTI (.nii, .nii.gz), which keeps the grid's place, or NumPy
-    /// (.npy), indexed [x, y, z]
+    /// (.npy), indexed [x, y, z] [default: the input's name, as .nii.gz]
     #[arg(short, long, value_name = "FILE")]
-    pub output: PathBuf,
+    pub output: Option<PathBuf>,
     /// Print what was made as JSON
     #[arg(long)]
     pub json: bool,
@@ -28,50 +27,44 @@ pub struct VoxelizeArgs {
 }
 
 pub fn run(args: &VoxelizeArgs) -> Result<(), CliError> {
-    let write = match VolumeFormat::of(&args.output) {
+    let output = args.output.clone().unwrap_or_else(|| output_beside(&args.input.input, ".nii.gz"));
+    let write = match VolumeFormat::of(&output) {
         Some(VolumeFormat::Npy) => write_npy,
         Some(VolumeFormat::Nifti) => write_nifti,
         _ => {
-            let name = args.output.display();
+            let name = output.display();
             return Err(CliError::Usage(format!("{name}: masks are written as .npy, .nii or .nii.gz")));
         }
     };
     let parameters = args.options.parameters()?;
-    let input = Input::read(&args.input)?;
-    let Some(mesh) = input.mesh() else {
-        return Err(CliError::Usage(format!("{}: a mask is voxels already", input.path.display())));
+    let file = args.input.read()?;
+    let Some(mesh) = file.mesh() else {
+        return Err(CliError::Usage(format!("{}: a mask is voxels already", file.path.display())));
     };
-    let failed = |e| CliError::Shape { path: input.path.clone(), source: mser3d::Error::from(e) };
-    let solid = voxelize(mesh, &parameters).map_err(failed)?;
+    let solid = voxelize(mesh, &parameters).map_err(|e| CliError::detection(&file.path, e.into()))?;
     let frame = solid.grid.frame();
     let placement =
         Placement { origin: frame.centre([0; 3]), spacing: frame.spacing(), ..Default::default() };
-    write(&args.output, &Volume::from_mask(solid.grid.occupancy(), placement)?)?;
+    write(&output, &Volume::from_mask(solid.grid.occupancy(), placement)?)?;
     for warning in &solid.warnings {
-        eprintln!("mser3d: warning: {}: {warning}", input.path.display());
+        eprintln!("mser3d: warning: {}: {warning}", file.path.display());
     }
-    let text = if args.json { to_json(&solid) } else { describe(&solid) };
-    std::io::stdout().lock().write_all(text.as_bytes()).map_err(CliError::Stdout)
+    if args.json { print_json(&Report::new(&solid)) } else { print(&describe(&solid)) }
 }
 
-fn to_json(solid: &Voxelization) -> String {
-    let (frame, topology) = (solid.grid.frame(), solid.topology);
-    let report = json!({
-        "voxels": solid.grid.len(),
-        "dims": frame.dims(),
-        "origin": frame.origin(),
-        "spacing": frame.spacing(),
-        "method": method_name(solid.method),
-        "reason": solid.reason.to_string(),
-        "confidence": solid.confidence,
-        "components": topology.components,
-        "tunnels": topology.tunnels,
-        "cavities": topology.cavities,
-        "cut_links": solid.cut_links,
-        "overlap_volume": solid.overlap_volume,
-        "warnings": solid.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
-    });
-    format!("{report:#}\n")
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Report {
+    #[serde(flatten)]
+    voxelization: VoxelizationRecord,
+    warnings: Vec<String>,
+}
+
+impl Report {
+    fn new(solid: &Voxelization) -> Self {
+        let warnings = solid.warnings.iter().map(ToString::to_string).collect();
+        Self { voxelization: solid.into(), warnings }
+    }
 }
 
 fn describe(solid: &Voxelization) -> String {
@@ -83,7 +76,7 @@ fn describe(solid: &Voxelization) -> String {
          {}: {}\n\
          {} components, {} tunnels, {} cavities; {} links cut by the surface, which a mask does not keep\n",
         solid.grid.len(),
-        method_name(solid.method),
+        solid.inside,
         solid.reason,
         topology.components,
         topology.tunnels,

@@ -1,3 +1,5 @@
+use mser3d_shape::InvalidParameter;
+
 /// Why there are no features: the error of the stage that failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -30,13 +32,8 @@ pub enum Error {
         length: f64,
     },
     /// A parameter of the pipeline itself is out of range.
-    #[error("{name} {problem}")]
-    BadParameter {
-        /// The field of [`crate::Parameters`].
-        name: &'static str,
-        /// What is wrong with it.
-        problem: &'static str,
-    },
+    #[error(transparent)]
+    InvalidParameter(#[from] InvalidParameter),
     /// The caller's progress function asked to stop.
     #[error("cancelled")]
     Cancelled,

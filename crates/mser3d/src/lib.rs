@@ -6,13 +6,15 @@
 //! maximally stable regions; each gets a scale-invariant heat descriptor. The regions stay the same
 //! when the body moves, so they match across poses, scans and noise.
 //!
-//! * [`detect`] does it all, for the volume or the surface of a mesh.
-//! * Its stages can be called one by one and their results reused: [`Body::volume`],
-//!   [`Body::surface`] or [`Body::solid`] make what heat flows on, [`Body::spectrum`] its eigenbasis,
-//!   [`find_regions`] the regions for any number of weights, [`describe`] their descriptors.
+//! * A [`Detector`] does it all, for the volume or the surface of a mesh, or for voxels: its fields are everything it
+//!   can be told, its one method [`detect`](Detector::detect).
+//! * Its stages can be called one by one and their results reused: [`DiscreteShape::volume`],
+//!   [`DiscreteShape::surface`] or [`DiscreteShape::solid`] make what heat flows on,
+//!   [`DiscreteShape::spectrum`] its eigenbasis, [`find_regions`] the regions for any number of weights,
+//!   [`describe`] their descriptors.
 //!
 //! ```
-//! use mser3d::{Domain, Parameters, detect};
+//! use mser3d::{Detector, Input, Parameters};
 //! use mser3d::shape::TriangleMesh;
 //! use mser3d::voxelize::Pitch;
 //!
@@ -28,32 +30,39 @@
 //! let mut parameters = Parameters::default();
 //! parameters.voxelize.pitch = Pitch::Voxels(4000);
 //! parameters.spectrum.eigenpairs = 40.into();
-//! let features = detect(&mesh, Domain::Volume, &parameters, &mser3d::no_progress)?;
+//! let features = Detector::new(parameters).detect(Input::Volume(&mesh))?;
 //! // The handle is a region: it is thin, so heat stays in it.
 //! assert!(features.regions.iter().any(|region| region.centroid[2] > 5.0));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 #![warn(missing_docs)]
 
-mod body;
-mod detect;
+mod describe;
+mod detector;
+mod discrete_shape;
 mod error;
 mod estimate;
+mod input;
+mod memory;
 mod parameters;
 mod progress;
 mod regions;
+mod warning;
 mod weight;
 
-pub use body::{Body, Graph};
-pub use detect::{
-    Features, SpectrumFn, StageTime, describe, detect, detect_on, detect_on_using, detect_using,
-};
+pub use describe::describe;
+pub use detector::{Detector, Features, RunReport, SpectrumSource, StageReport};
+pub use discrete_shape::{DiscreteShape, Elements};
 pub use error::Error;
-pub use estimate::{Estimate, estimate};
+pub use estimate::Estimate;
+pub use input::Input;
+pub use memory::{available_memory, peak_memory};
 pub use mser3d_shape::Domain;
-pub use parameters::{Descriptor, Parameters, Weight};
-pub use progress::{Progress, ProgressFn, Stage, no_progress};
-pub use regions::{Found, Region, Tree, find_regions};
+pub use parameters::{Descriptor, DescriptorKind, Parameters};
+pub use progress::{NO_PROGRESS, Progress, ProgressFn, Stage};
+pub use regions::{Region, RegionSet, Tree, find_regions};
+pub use warning::Warning;
+pub use weight::Weight;
 
 pub use mser3d_comptree as comptree;
 pub use mser3d_descriptors as descriptors;
@@ -61,3 +70,7 @@ pub use mser3d_laplace as laplace;
 pub use mser3d_shape as shape;
 pub use mser3d_spectral as spectral;
 pub use mser3d_voxelize as voxelize;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}

@@ -1,39 +1,29 @@
 use mser3d_comptree::{Polarity, PoolParameters, StabilityParameters};
 use mser3d_descriptors::{HksParameters, SiHksParameters, TimeScale};
+use mser3d_shape::InvalidParameter;
 use mser3d_spectral::SpectrumParameters;
 use mser3d_voxelize::VoxelizeParameters;
 
-use crate::Error;
+use crate::{Error, Weight};
 
-/// What the component tree is built on, section 4.3.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Weight {
-    /// H_t(v,v) on voxels or vertices: high on protrusions, so its superlevel sets are searched.
-    #[default]
-    Heat,
-    /// The commute-time weight (eq. 6) on voxels or vertices, without a time scale; superlevel sets.
-    CommuteTime,
-    /// 1/H_t(u,v) on links or edges: low where heat passes easily; sublevel sets.
-    HeatEdge,
-}
-
-impl Weight {
-    /// The polarity that finds protrusions and limbs.
-    pub fn polarity(self) -> Polarity {
-        match self {
-            Self::Heat | Self::CommuteTime => Polarity::Superlevel,
-            Self::HeatEdge => Polarity::Sublevel,
-        }
-    }
-
-    /// Whether it depends on a time scale.
-    pub fn has_time_scale(self) -> bool {
-        self != Self::CommuteTime
+mser3d_shape::choice! {
+    /// The kinds of [`Descriptor`].
+    pub enum DescriptorKind("descriptor") {
+        /// SI-vHKS, and the region's share of the volume: neither changes with the shape's size
+        #[default]
+        SizedSiHks = "sized-si-hks",
+        /// SI-vHKS alone, as in the paper
+        SiHks = "si-hks",
+        /// vHKS
+        Hks = "hks",
     }
 }
 
 /// What describes a region, section 5.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(tag = "kind", rename_all = "kebab-case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Descriptor {
     /// SI-vHKS in a volume, SI-HKS on a surface (eq. 9), and one number more for the region's size: see
     /// [`crate::describe`].
@@ -44,18 +34,43 @@ pub enum Descriptor {
     Hks(HksParameters),
 }
 
-impl Default for Descriptor {
-    fn default() -> Self {
-        Self::SizedSiHks(SiHksParameters::default())
+impl Descriptor {
+    /// Which kind it is, without its parameters.
+    pub fn kind(&self) -> DescriptorKind {
+        match self {
+            Self::SizedSiHks(_) => DescriptorKind::SizedSiHks,
+            Self::SiHks(_) => DescriptorKind::SiHks,
+            Self::Hks(_) => DescriptorKind::Hks,
+        }
     }
 }
 
-/// Everything that [`crate::detect`] can be told; the defaults are the recommended settings.
+impl From<DescriptorKind> for Descriptor {
+    /// The descriptor with its default parameters.
+    fn from(kind: DescriptorKind) -> Self {
+        match kind {
+            DescriptorKind::SizedSiHks => Self::SizedSiHks(SiHksParameters::default()),
+            DescriptorKind::SiHks => Self::SiHks(SiHksParameters::default()),
+            DescriptorKind::Hks => Self::Hks(HksParameters::default()),
+        }
+    }
+}
+
+impl Default for Descriptor {
+    fn default() -> Self {
+        DescriptorKind::default().into()
+    }
+}
+
+/// The parameters of all stages of [`Detector::detect`](crate::Detector::detect); the defaults are the recommended
+/// settings.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Parameters {
     /// From the mesh to voxels (volumes only). Its connectivity is also the tree's.
     pub voxelize: VoxelizeParameters,
-    /// The eigenpairs. Default: 100.
+    /// The eigenpairs. Default: 100, or as many as a small shape has.
     pub spectrum: SpectrumParameters,
     /// What the tree is built on. Default: [`Weight::Heat`].
     pub weight: Weight,
@@ -96,7 +111,7 @@ impl Parameters {
     /// Checks all parameters, those of the stages included.
     ///
     /// # Errors
-    /// The first stage's error, or [`Error::BadParameter`].
+    /// The first stage's error, or [`Error::InvalidParameter`].
     pub fn validate(&self) -> Result<(), Error> {
         self.voxelize.validate()?;
         self.spectrum.validate()?;
@@ -106,22 +121,31 @@ impl Parameters {
             Descriptor::SizedSiHks(parameters) | Descriptor::SiHks(parameters) => parameters.validate()?,
             Descriptor::Hks(parameters) => parameters.validate()?,
         }
-        let bad = |name, problem| Err(Error::BadParameter { name, problem });
-        if self.weight.has_time_scale() && self.time_scales.is_empty() {
-            return bad("time_scales", "is empty; give at least one time scale, such as 0.5");
-        }
-        if self.stability.min_volume_fraction > self.stability.max_volume_fraction {
-            return bad(
-                "min_volume_fraction",
-                "must not be above max_volume_fraction: no region has such a size",
-            );
-        }
         for scale in &self.time_scales {
             scale.with_unit(1.0)?;
         }
-        if self.reference_measure.is_some_and(|m| !(m.is_finite() && m > 0.0)) {
-            return bad("reference_measure", "must be a positive volume or area");
-        }
+        InvalidParameter::unless(
+            !self.weight.has_time_scale() || !self.time_scales.is_empty(),
+            "time_scales",
+            "empty",
+            "one time scale at least, such as 0.5",
+        )?;
+        let measure = self.reference_measure.unwrap_or(1.0);
+        let good = measure.is_finite() && measure > 0.0;
+        InvalidParameter::unless(good, "reference_measure", measure, "a positive volume or area")?;
         Ok(())
+    }
+
+    /// The same without limits that only refuse work: all that a result depends on.
+    pub fn without_limits(&self) -> Self {
+        let mut parameters = self.clone();
+        parameters.spectrum.memory_limit = None;
+        parameters.voxelize.max_box_voxels = VoxelizeParameters::default().max_box_voxels;
+        parameters
+    }
+
+    /// Which way the tree grows: as given, or as the weight asks.
+    pub fn polarity(&self) -> Polarity {
+        self.polarity.unwrap_or(self.weight.polarity())
     }
 }

@@ -3,34 +3,36 @@ use std::time::Instant;
 
 use mser3d_comptree::{ComponentTree, Merge, Selection, pool, stable_regions};
 use mser3d_descriptors::TimeScale;
-use mser3d_shape::Eigenbasis;
+use mser3d_shape::{Eigenbasis, IndexSet};
 use rayon::prelude::*;
 
 use crate::progress::{ProgressFn, Stage, report};
-use crate::weight::Values;
-use crate::{Body, Error, Parameters};
+use crate::weight::WeightValues;
+use crate::{DiscreteShape, Error, Parameters};
 
 /// A stable region.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Region {
     /// The smallest region that contains this one, as a place in the list of regions.
     pub parent: Option<usize>,
     /// Which of the trees it was found in.
     pub tree: usize,
     /// The weight at which it is complete: for the heat weights length^-3 in a volume, length^-2 on a
-    /// surface (inverse for [`crate::Weight::HeatEdge`]).
+    /// surface (inverse for [`crate::Weight::Edge`]).
     pub altitude: f64,
-    /// Volume over its change with log altitude (eq. 5); infinite if it does not change over the
-    /// window, NaN in the baseline mode, which measures none.
+    /// s(l) = vol(l) / (d vol / d l) (eq. 5), where l is log altitude: the region's volume over the rate at which it
+    /// changes with l. By default the rate is measured over a window, `(vol(l + d) - vol(l - d)) / 2d`. No unit.
+    /// Infinite where the volume does not change, NaN by the rule `baseline`, which measures none.
     pub stability: f64,
     /// How long its part stays on its own, in log altitude, smaller parts that join it included.
     pub persistence: f64,
     /// The real merge that ends it, if it is the last component before one. Its lifetime is the score to
-    /// rank regions by: those that last longest are found again most surely, those without a merge come last.
+    /// rank regions by: those that last longest are found again most surely. Regions without a merge rank last.
     pub merge: Option<Merge>,
     /// Volume in length^3, or area in length^2.
     pub volume: f64,
-    /// Volume over that of the whole body.
+    /// Volume over that of the whole shape.
     pub volume_fraction: f64,
     /// Its voxels or surface vertices, ascending.
     pub elements: Vec<u32>,
@@ -42,6 +44,7 @@ pub struct Region {
 
 /// A component tree and what was selected from it.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Tree {
     /// The time scale of its weight; none for the commute time.
     pub time_scale: Option<TimeScale>,
@@ -53,9 +56,10 @@ pub struct Tree {
     pub selection: Selection,
 }
 
-/// The regions of a body, and the trees they come from.
+/// The regions of a shape, and the trees they come from.
 #[derive(Clone, Debug)]
-pub struct Found {
+#[non_exhaustive]
+pub struct RegionSet {
     /// By descending volume.
     pub regions: Vec<Region>,
     /// One tree for each time scale.
@@ -67,13 +71,13 @@ pub struct Found {
 /// Builds one component tree for each time scale, selects its stable regions, and pools them.
 ///
 /// # Errors
-/// [`Error::Tree`], [`Error::Descriptor`] (weights), [`Error::BadParameter`], [`Error::Cancelled`].
+/// [`Error::Tree`], [`Error::Descriptor`] (weights), [`Error::InvalidParameter`], [`Error::Cancelled`].
 pub fn find_regions(
-    body: &Body,
+    shape: &DiscreteShape,
     basis: &Eigenbasis,
     parameters: &Parameters,
     progress: ProgressFn,
-) -> Result<Found, Error> {
+) -> Result<RegionSet, Error> {
     parameters.validate()?;
     let scales: Vec<Option<TimeScale>> = if parameters.weight.has_time_scale() {
         parameters.time_scales.iter().copied().map(Some).collect()
@@ -83,15 +87,15 @@ pub fn find_regions(
     let measure = basis.measure();
     let reference = parameters.reference_measure.unwrap_or(measure);
     let unit_time = reference.powf(2.0 / f64::from(basis.domain().dimension()));
-    let polarity = parameters.polarity.unwrap_or(parameters.weight.polarity());
+    let polarity = parameters.polarity();
     let done = Mutex::new(0);
     report(progress, Stage::Regions, 0, scales.len())?;
     let search = |&time_scale: &Option<TimeScale>| {
         let time = time_scale.map(|scale| scale.with_unit(unit_time)).transpose()?;
         let start = Instant::now();
-        let values = Values::new(body, basis, parameters.weight, time.unwrap_or_default())?;
+        let values = WeightValues::new(shape, basis, parameters.weight, time.unwrap_or_default())?;
         let weighed = start.elapsed();
-        let tree = values.tree(body, basis.mass(), polarity)?;
+        let tree = values.tree(shape, basis.mass(), polarity)?;
         let selection = stable_regions(&tree, &parameters.stability)?;
         let searched = start.elapsed() - weighed;
         let report = &selection.report;
@@ -113,9 +117,10 @@ pub fn find_regions(
         .into_iter()
         .map(|region| {
             let stable = &trees[region.tree].selection.regions[region.region];
-            let inside = Membership::new(body.len(), &region.vertices);
-            let vertices = (0u32..).zip(body.element_of_vertex()).filter(|&(_, &e)| inside.has(e));
-            Region {
+            let inside = IndexSet::from_members(shape.len(), region.vertices.iter().copied())?;
+            let vertices =
+                (0u32..).zip(shape.element_of_vertex()).filter(|&(_, &e)| inside.contains(e as usize));
+            Ok(Region {
                 parent: region.parent,
                 tree: region.tree,
                 altitude: stable.altitude,
@@ -125,26 +130,12 @@ pub fn find_regions(
                 volume: region.volume,
                 volume_fraction: region.volume / measure,
                 vertices: vertices.map(|(v, _)| v).collect(),
-                centroid: centroid(&region.vertices, body.positions(), basis.mass()),
+                centroid: centroid(&region.vertices, shape.positions(), basis.mass()),
                 elements: region.vertices,
-            }
+            })
         })
-        .collect();
-    Ok(Found { regions, trees, duplicates })
-}
-
-struct Membership(Vec<bool>);
-
-impl Membership {
-    fn new(n: usize, elements: &[u32]) -> Self {
-        let mut inside = vec![false; n];
-        elements.iter().for_each(|&e| inside[e as usize] = true);
-        Self(inside)
-    }
-
-    fn has(&self, element: u32) -> bool {
-        self.0[element as usize]
-    }
+        .collect::<Result<_, Error>>()?;
+    Ok(RegionSet { regions, trees, duplicates })
 }
 
 fn centroid(elements: &[u32], positions: &[[f64; 3]], mass: &[f64]) -> [f64; 3] {

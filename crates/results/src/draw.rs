@@ -1,13 +1,13 @@
+use mser3d::comptree::Polarity;
 use mser3d::descriptors::TimeScale;
 use mser3d_viewer::{
-    Colours, Cut, Image, Model, NO_REGION, PageData, PageMatch, PageRegion, PageShape, PageTree, Panel,
+    Colours, Cut, Image, Model, NO_REGION, PageData, PageRegion, PageShape, PageTree, Panel,
     RenderOptions, Rgb, Up, View, ViewerError, linked_colours, page, render,
 };
 
 use crate::{Results, ResultsError};
 
-/// A region of one shape matched with one of another, and how far apart their descriptors are.
-pub type Match = PageMatch;
+pub use mser3d_viewer::RegionPair;
 
 /// From before and from behind.
 const BOTH_SIDES: [View; 2] = [View::THREE_QUARTER, View { azimuth: 215.0, elevation: 12.0 }];
@@ -133,7 +133,7 @@ impl Results {
     pub fn match_page(
         &self,
         other: &Self,
-        matches: &[Match],
+        matches: &[RegionPair],
         title: &str,
         up: Up,
     ) -> Result<String, ResultsError> {
@@ -151,7 +151,7 @@ impl Results {
     pub fn match_sheet(
         &self,
         other: &Self,
-        matches: &[Match],
+        matches: &[RegionPair],
         options: &RenderOptions,
     ) -> Result<Image, ResultsError> {
         let models = [self.model()?, other.coloured_model(&matched_colours(self, other, matches))?];
@@ -180,7 +180,7 @@ impl Results {
         });
         let trees = self.record.trees.iter().zip(&self.trees).map(|(record, tree)| PageTree {
             name: tree_name(record.time_scale),
-            superlevel: self.record.superlevel(),
+            superlevel: record.polarity == Polarity::Superlevel,
             parents: &tree.parents,
             altitudes: &tree.altitudes,
             volumes: &tree.volumes,
@@ -198,9 +198,7 @@ impl Results {
 
     /// The input's file name, without folder and ending.
     pub fn name(&self) -> String {
-        let path = self.record.path().map(std::path::Path::new);
-        let stem = path.and_then(|p| p.file_stem()).map(|s| s.to_string_lossy().into_owned());
-        stem.unwrap_or_else(|| "shape".to_owned())
+        self.record.name()
     }
 
     fn facts(&self) -> Vec<[String; 2]> {
@@ -214,12 +212,10 @@ impl Results {
             facts.push(fact("pitch", format!("{:.4}", grid.frame().spacing()[0])));
         }
         facts.push(fact("eigenpairs", self.eigenvalues.len().to_string()));
-        if let Some(path) = self.record.path() {
-            facts.push(fact("input", path.to_owned()));
+        if !self.record.input.path.is_empty() {
+            facts.push(fact("input", self.record.input.path.clone()));
         }
-        if let Some(weight) = self.record.more.get("parameters").and_then(|p| p["weight"].as_str()) {
-            facts.push(fact("weight", weight.to_owned()));
-        }
+        facts.push(fact("weight", self.record.parameters.weight.to_string()));
         facts.push(fact("mser3d", self.record.mser3d.clone()));
         facts
     }
@@ -234,7 +230,7 @@ fn tree_name(scale: Option<TimeScale>) -> String {
 }
 
 /// The colours of the second shape's regions: those of the first's that they are matched with.
-pub fn matched_colours(first: &Results, second: &Results, matches: &[Match]) -> Vec<Rgb> {
+pub fn matched_colours(first: &Results, second: &Results, matches: &[RegionPair]) -> Vec<Rgb> {
     let pairs: Vec<[u32; 2]> = matches.iter().map(|m| [m.first, m.second]).collect();
     linked_colours(&first.colours(), &pairs, second.record.regions.len())
 }

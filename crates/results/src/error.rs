@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-/// Why a result cannot be written, read or drawn.
+/// Why a shape cannot be read, or a result not written, read or drawn.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ResultsError {
@@ -12,6 +12,16 @@ pub enum ResultsError {
         folder.display()
     )]
     NotAResult {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// The folder holds regions of a grey-value volume, which have no descriptors.
+    #[error(
+        "{}: this is a result of `mser3d msv`, whose regions can be viewed and rendered, but not matched, searched or \
+         exported; give the folder that `mser3d detect INPUT -o FOLDER` wrote",
+        folder.display()
+    )]
+    GreyValueResult {
         /// The folder.
         folder: PathBuf,
     },
@@ -26,9 +36,9 @@ pub enum ResultsError {
         /// The version that wrote it.
         version: String,
         /// Its format.
-        found: u64,
+        found: u32,
         /// The format this version reads.
-        expected: u64,
+        expected: u32,
     },
     /// A file does not say what it should.
     #[error("{}: {reason}; run `mser3d detect` again", path.display())]
@@ -38,7 +48,30 @@ pub enum ResultsError {
         /// What is wrong.
         reason: String,
     },
-    /// A file or folder cannot be read or made.
+    /// A mask without a voxel.
+    #[error("{}: the mask is zero everywhere: there is no solid", path.display())]
+    EmptyMask {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Something that only meshes have was asked of a mask.
+    #[error("{}: {option} needs a mesh, and this is a voxel mask", path.display())]
+    NoMesh {
+        /// The file.
+        path: PathBuf,
+        /// What was asked for, as an option of the command line.
+        option: &'static str,
+    },
+    /// A folder cannot be written to.
+    #[error("{}: cannot be used as output folder: {error}; choose another with -o", path.display())]
+    OutputFolder {
+        /// The folder.
+        path: PathBuf,
+        /// Why.
+        #[source]
+        error: std::io::Error,
+    },
+    /// A file or folder cannot be read, made or removed.
     #[error("{}: {error}", path.display())]
     Io {
         /// The file or folder.
@@ -47,12 +80,27 @@ pub enum ResultsError {
         #[source]
         error: std::io::Error,
     },
-    /// A mesh or an array cannot be read or written.
+    /// A file cannot be read or written.
     #[error(transparent)]
-    File(#[from] mser3d_meshio::MeshIoError),
+    File(#[from] mser3d_fileio::FileError),
+    /// A mesh cannot be read or written.
+    #[error(transparent)]
+    Mesh(#[from] mser3d_meshio::MeshIoError),
+    /// A volume cannot be read or written.
+    #[error(transparent)]
+    Volume(#[from] mser3d_volumeio::VolumeIoError),
     /// A picture or page cannot be made.
     #[error(transparent)]
     Viewer(#[from] mser3d_viewer::ViewerError),
+    /// Dark or bright regions of colours.
+    #[error("{}: dark and bright need one grey value a voxel; colours have no order", path.display())]
+    NoOrder {
+        /// The volume.
+        path: PathBuf,
+    },
+    /// Maximally stable volumes cannot be searched.
+    #[error(transparent)]
+    Tree(#[from] mser3d::comptree::TreeError),
     /// A file of that name cannot be exported.
     #[error("{}: {reason}", path.display())]
     Export {

@@ -3,7 +3,11 @@
 //! [`Results`] is the one type between [`mser3d::Features`] and whatever shows or compares them: the
 //! command line, the evaluation and the figures. It is written by [`Results::write`], read by
 //! [`Results::load`], drawn by [`Results::sheet`], [`Results::page`] and their relatives, and given to
-//! other programs by [`Results::export`].
+//! other programs by [`Results::export`]. [`Record`] is what `regions.json` says.
+//!
+//! [`ShapeFile`] is the other end: a mesh or mask file, read for the detector, and what a record says of it;
+//! [`Inspection`] is all that is known of one before any work. [`msv`] does the same for maximally stable volumes of
+//! grey values.
 //!
 //! # The folder
 //! | file | what it holds |
@@ -25,9 +29,10 @@
 //! | `region_descriptor` | float64, regions x q | rows in the order of `regions.json` |
 //! | `tree0_parent`, `tree0_altitude`, `tree0_volume`, ... | int32, float64, float64, nodes | a component tree, children first; -1 for a root |
 //! | `tree0_entry`, ... | uint32, voxels or vertices | the node in which each enters |
+//! | `file_vertex` | uint32, vertices of the file | the mesh's vertex (files that repeat vertices only) |
 //!
 //! ```
-//! use mser3d::{Domain, Parameters, detect};
+//! use mser3d::{Detector, Input, Parameters};
 //! use mser3d_results::Results;
 //! # use mser3d::shape::TriangleMesh;
 //! # let corners = (0..8u32).map(|i| [f64::from(i & 1), f64::from(i >> 1 & 1), 3.0 * f64::from(i >> 2)]).collect();
@@ -38,7 +43,7 @@
 //! # parameters.voxelize.pitch = mser3d::voxelize::Pitch::Voxels(1500);
 //! # parameters.spectrum.eigenpairs = 20.into();
 //! # let folder = std::env::temp_dir().join(format!("mser3d-results-{}", std::process::id()));
-//! let features = detect(&mesh, Domain::Volume, &parameters, &mser3d::no_progress)?;
+//! let features = Detector::new(parameters).detect(Input::Volume(&mesh))?;
 //! let results = Results::new(&features, Some(&mesh), "bar.off")?;
 //! results.write(&folder)?;
 //!
@@ -54,13 +59,26 @@
 mod draw;
 mod error;
 mod export;
+mod folder;
+mod inspect;
 mod load;
+pub mod msv;
 mod record;
 mod results;
+mod shape_file;
 mod write;
 
-pub use draw::{Match, matched_colours};
+pub use draw::{RegionPair, matched_colours};
 pub use error::ResultsError;
+pub use folder::ResultsFolder;
+pub use inspect::{Inspection, MaskRecord};
 pub use mser3d_viewer::{Image, RenderOptions, Up};
-pub use record::{FORMAT, Record, RegionRecord, TreeRecord};
+pub use record::{
+    FORMAT, InputRecord, Record, RegionRecord, SpectrumRecord, TreeRecord, VoxelizationRecord,
+};
 pub use results::{Results, TreeArrays};
+pub use shape_file::{Contents, ShapeFile};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}

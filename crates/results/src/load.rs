@@ -2,10 +2,12 @@ use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use mser3d_meshio::{NpyArray, NpyValues, ReadOptions, read_mesh, read_npz};
+use mser3d_fileio::{NpyArray, NpyValues, read_npz};
+use mser3d_meshio::{ReadOptions, read_mesh};
 use mser3d_shape::{BitGrid, Domain, Frame, TriangleMesh, VoxelGrid};
-use serde_json::Value;
+use serde::Deserialize;
 
+use crate::msv::MSV_RECORD;
 use crate::{FORMAT, Record, Results, ResultsError, TreeArrays};
 
 impl Results {
@@ -42,6 +44,10 @@ impl Results {
             arrays.length("vertex_region", labels.len(), vertices)?;
             region_vertices = arrays.lists("region_vertices", regions, vertices)?;
         }
+        let file_vertex = match arrays.arrays.contains_key("file_vertex") {
+            true => Some(arrays.indices("file_vertex", mesh.vertices().len())?),
+            false => None,
+        };
         let elements = grid.as_ref().map_or(mesh.vertices().len(), VoxelGrid::len);
         let mut trees = Vec::new();
         for number in 0..record.trees.len() {
@@ -63,6 +69,7 @@ impl Results {
             record,
             mesh,
             mesh_of_voxels: false,
+            file_vertex,
             grid,
             region_vertices,
             region_voxels,
@@ -84,21 +91,15 @@ impl Record {
     pub fn load(folder: &Path) -> Result<Self, ResultsError> {
         let path = folder.join("regions.json");
         let text = std::fs::read(&path).map_err(|error| match error.kind() {
+            ErrorKind::NotFound if folder.join(MSV_RECORD).is_file() => {
+                ResultsError::GreyValueResult { folder: folder.to_owned() }
+            }
             ErrorKind::NotFound | ErrorKind::NotADirectory => {
                 ResultsError::NotAResult { folder: folder.to_owned() }
             }
             _ => ResultsError::Io { path: path.clone(), error },
         })?;
-        let broken =
-            |e: serde_json::Error| ResultsError::Broken { path: path.clone(), reason: e.to_string() };
-        // The format first: another one may lack anything else.
-        let value: Value = serde_json::from_slice(&text).map_err(broken)?;
-        let found = value["format"].as_u64().unwrap_or(0);
-        if found != FORMAT {
-            let version = value["mser3d"].as_str().unwrap_or("of unknown version").to_owned();
-            return Err(ResultsError::OtherFormat { path, version, found, expected: FORMAT });
-        }
-        let record: Self = serde_json::from_value(value).map_err(broken)?;
+        let record: Self = parse(&path, &text, FORMAT)?;
         let (regions, trees) = (record.regions.len(), record.trees.len());
         for (place, region) in record.regions.iter().enumerate() {
             let known = region.id as usize == place
@@ -111,6 +112,31 @@ impl Record {
         }
         Ok(record)
     }
+}
+
+/// Parses a record if it is of the format that this version reads.
+pub(crate) fn parse<T: for<'de> Deserialize<'de>>(
+    path: &Path,
+    text: &[u8],
+    expected: u32,
+) -> Result<T, ResultsError> {
+    /// What records of all formats say.
+    #[derive(Deserialize)]
+    struct Head {
+        #[serde(default)]
+        mser3d: Option<String>,
+        #[serde(default)]
+        format: Option<u32>,
+    }
+    let broken = |e: serde_json::Error| ResultsError::Broken { path: path.to_owned(), reason: e.to_string() };
+    // The format first: another one may lack anything else.
+    let head: Head = serde_json::from_slice(text).map_err(broken)?;
+    let found = head.format.unwrap_or(0);
+    if found != expected {
+        let version = head.mser3d.unwrap_or_else(|| "of unknown version".to_owned());
+        return Err(ResultsError::OtherFormat { path: path.to_owned(), version, found, expected });
+    }
+    serde_json::from_slice(text).map_err(broken)
 }
 
 /// The arrays of `features.npz`.

@@ -1,48 +1,172 @@
-use mser3d::Features;
-use mser3d::comptree::Polarity;
+use std::path::Path;
+
+use mser3d::comptree::{Polarity, SelectionReport};
 use mser3d::descriptors::TimeScale;
+use mser3d::spectral::SpectrumReport;
+use mser3d::voxelize::{Diagnosis, GridTopology, InsideTest, Voxelization};
+use mser3d::{Features, Parameters, RunReport};
 use mser3d_shape::Domain;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use serde_json::{Map, Value, json};
+use serde::{Deserialize, Serialize};
 
-/// The layout of the folder that this version writes and reads.
-pub const FORMAT: u64 = 1;
+/// The layout of `regions.json` and `features.npz` that this version writes and reads.
+pub const FORMAT: u32 = 2;
 
-/// What `regions.json` says, as far as it is needed to draw and compare results. The command line
-/// writes more: it is kept in [`more`](Record::more).
+/// What `regions.json` says: what was read, how it was treated, and what was found.
+///
+/// This is its one author: whoever writes or reads the file does it through this type. Its JSON Schema is
+/// `docs/regions.schema.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct Record {
     /// The version of mser3d that found the regions.
     pub mser3d: String,
-    /// [`FORMAT`].
-    pub format: u64,
+    /// [`FORMAT`]. Programs refuse others.
+    pub format: u32,
+    /// What was read.
+    pub input: InputRecord,
     /// What heat flowed on.
-    #[serde(with = "DomainName")]
     pub domain: Domain,
+    /// Every parameter that the result depends on.
+    pub parameters: Parameters,
+    /// How the mesh became voxels; none for surfaces and masks.
+    pub voxelization: Option<VoxelizationRecord>,
+    /// The eigenpairs, and how good they are.
+    pub spectrum: SpectrumRecord,
     /// The component trees, one per time scale.
     pub trees: Vec<TreeRecord>,
+    /// Regions dropped because another tree had them too.
+    pub duplicates: usize,
+    /// What the user should know of the input and how it was read.
+    pub warnings: Vec<String>,
     /// The regions, by descending volume.
     pub regions: Vec<RegionRecord>,
-    /// Everything else: input, parameters, warnings, times.
-    #[serde(flatten)]
-    pub more: Map<String, Value>,
+    /// What differs from run to run.
+    pub run: RunReport,
 }
 
-/// A component tree in `regions.json`; its nodes are in `features.npz`.
+/// What was read. Of shapes that did not come from a file, only `path` is known: whatever names them.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
+pub struct InputRecord {
+    /// The file.
+    pub path: String,
+    /// SHA-256 of the file.
+    pub sha256: Option<String>,
+    /// SHA-256 of the mesh's vertices and triangles as they were read: what buffers beside a glTF file and animations
+    /// make of it.
+    pub mesh_sha256: Option<String>,
+    /// Size of the file.
+    pub bytes: Option<u64>,
+    /// Format of the file.
+    pub format: Option<String>,
+    /// The glTF animation that posed it.
+    pub animation: Option<String>,
+    /// When in the animation, in seconds.
+    pub time: f64,
+    /// What the mesh is like; none for a mask.
+    pub diagnosis: Option<Diagnosis>,
+}
+
+impl InputRecord {
+    /// An input of which only a name is known.
+    pub fn named(path: impl Into<String>) -> Self {
+        Self { path: path.into(), ..Self::default() }
+    }
+}
+
+/// How a mesh became voxels. Lengths are in the mesh's units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
+pub struct VoxelizationRecord {
+    /// How inside was told from outside.
+    pub inside: InsideTest,
+    /// Why so.
+    pub reason: String,
+    /// The part of the voxels about which there is no doubt: 1 on closed meshes.
+    pub confidence: f64,
+    /// Voxels that could be called otherwise.
+    pub ambiguous_voxels: usize,
+    /// Voxels in the solid.
+    pub voxels: usize,
+    /// Voxels of the grid along each axis.
+    pub dims: [usize; 3],
+    /// First corner of the grid.
+    pub origin: [f64; 3],
+    /// Lengths of a voxel.
+    pub spacing: [f64; 3],
+    /// Volume of the solid.
+    pub volume: f64,
+    /// Components, tunnels and cavities of the solid.
+    pub topology: GridTopology,
+    /// Components that were dropped because another is larger.
+    pub dropped_components: usize,
+    /// Voxels in them.
+    pub dropped_voxels: usize,
+    /// Links between neighbours that the surface cuts.
+    pub cut_links: usize,
+    /// Volume that is covered more than once.
+    pub overlap_volume: f64,
+}
+
+impl From<&Voxelization> for VoxelizationRecord {
+    fn from(v: &Voxelization) -> Self {
+        let frame = v.grid.frame();
+        Self {
+            inside: v.inside,
+            reason: v.reason.to_string(),
+            confidence: v.confidence,
+            ambiguous_voxels: v.ambiguous_voxels,
+            voxels: v.grid.len(),
+            dims: frame.dims(),
+            origin: frame.origin(),
+            spacing: frame.spacing(),
+            volume: v.grid.volume(),
+            topology: v.topology,
+            dropped_components: v.dropped_components,
+            dropped_voxels: v.dropped_voxels,
+            cut_links: v.cut_links,
+            overlap_volume: v.overlap_volume,
+        }
+    }
+}
+
+/// The eigenpairs, and how good they are.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
+pub struct SpectrumRecord {
+    /// Eigenpairs that were used.
+    pub eigenpairs: usize,
+    /// The largest eigenvalue, in length^-2.
+    pub largest_eigenvalue: Option<f64>,
+    /// How they were found.
+    #[serde(flatten)]
+    pub report: SpectrumReport,
+}
+
+/// A component tree; its nodes are in `features.npz`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct TreeRecord {
     /// Its time scale; none for the commute time.
-    #[serde(with = "time_scale")]
     pub time_scale: Option<TimeScale>,
     /// The time in length^2; none for the commute time.
     pub time: Option<f64>,
-    /// Everything else: how many regions each filter cut.
+    /// Which way it grows.
+    pub polarity: Polarity,
+    /// How many regions each filter cut.
     #[serde(flatten)]
-    pub more: Map<String, Value>,
+    pub selection: SelectionReport,
 }
 
-/// A region in `regions.json`.
+/// A region.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct RegionRecord {
     /// Its place in the list.
     pub id: u32,
@@ -50,18 +174,18 @@ pub struct RegionRecord {
     pub parent: Option<u32>,
     /// The tree it was found in.
     pub tree: u32,
-    /// The weight at which it is complete.
+    /// The weight at which it is complete: of the heat kernel in length^-3 in a volume, length^-2 on a surface.
     pub altitude: f64,
-    /// Volume over its change with log altitude (eq. 5). In JSON `"Infinity"` where nothing changes,
-    /// null where none was measured (NaN).
+    /// vol(l) / (d vol / d l) with l the log altitude (eq. 5): see [`mser3d::Region::stability`]. In JSON `"Infinity"`
+    /// where the volume does not change, null where none was measured (NaN).
     #[serde(with = "stability")]
+    #[cfg_attr(feature = "schema", schemars(with = "stability::Stability"))]
     pub stability: f64,
     /// How long it lasts before the real merge that ends it, in log altitude; none where no merge does.
-    #[serde(default)]
     pub lifetime: Option<f64>,
     /// Volume in length^3, or area in length^2.
     pub volume: f64,
-    /// Volume over that of the whole body.
+    /// Volume over that of the whole shape.
     pub volume_fraction: f64,
     /// Number of voxels; none for a surface.
     pub voxels: Option<usize>,
@@ -72,14 +196,11 @@ pub struct RegionRecord {
 }
 
 impl Record {
-    /// The record of some features; `path` is their input.
-    pub fn new(features: &Features, path: &str) -> Self {
-        let superlevel = features.trees.iter().any(|t| t.tree.polarity() == Polarity::Superlevel);
-        let polarity = if superlevel { "superlevel" } else { "sublevel" };
-        let more = [("input", json!({ "path": path })), ("parameters", json!({ "polarity": polarity }))];
-        let volume = features.body.domain() == Domain::Volume;
-        let regions = features.regions.iter().enumerate().map(|(id, r)| RegionRecord {
-            id: id as u32,
+    /// The record of what was found on an input. `notes` are what reading it said, before the features' own warnings.
+    pub fn new(features: &Features, input: InputRecord, notes: &[String]) -> Self {
+        let volume = features.shape.grid().is_some();
+        let regions = (0..).zip(&features.regions).map(|(id, r)| RegionRecord {
+            id,
             parent: r.parent.map(|p| p as u32),
             tree: r.tree as u32,
             altitude: r.altitude,
@@ -91,91 +212,103 @@ impl Record {
             vertices: r.vertices.len(),
             centroid: r.centroid,
         });
-        let tree = |t: &mser3d::Tree| TreeRecord { time_scale: t.time_scale, time: t.time, more: Map::new() };
+        let trees = features.trees.iter().map(|t| TreeRecord {
+            time_scale: t.time_scale,
+            time: t.time,
+            polarity: t.tree.polarity(),
+            selection: t.selection.report.clone(),
+        });
+        let warnings = features.warnings.iter().map(ToString::to_string);
         Self {
             mser3d: env!("CARGO_PKG_VERSION").to_owned(),
             format: FORMAT,
-            domain: features.body.domain(),
-            trees: features.trees.iter().map(tree).collect(),
+            input,
+            domain: features.shape.domain(),
+            parameters: features.parameters.clone(),
+            voxelization: features.voxelization.as_ref().map(VoxelizationRecord::from),
+            spectrum: SpectrumRecord {
+                eigenpairs: features.basis.eigenvalues().len(),
+                largest_eigenvalue: features.basis.eigenvalues().last().copied(),
+                report: features.spectrum.clone(),
+            },
+            trees: trees.collect(),
+            duplicates: features.duplicates,
+            warnings: notes.iter().cloned().chain(warnings).collect(),
             regions: regions.collect(),
-            more: more.map(|(key, value)| (key.to_owned(), value)).into_iter().collect(),
+            run: features.run.clone(),
         }
     }
 
-    /// Whether the trees are of superlevel sets.
-    pub fn superlevel(&self) -> bool {
-        self.more.get("parameters").is_none_or(|p| p["polarity"] != "sublevel")
+    /// As `regions.json` has it, with a line end.
+    ///
+    /// # Errors
+    /// Only in theory: every field has a form in JSON.
+    pub fn to_json(&self) -> Result<String, serde_json::Error> {
+        serde_json::to_string_pretty(self).map(|text| text + "\n")
     }
 
-    /// The input's path.
-    pub fn path(&self) -> Option<&str> {
-        self.more.get("input").and_then(|input| input["path"].as_str())
-    }
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(remote = "Domain", rename_all = "lowercase")]
-enum DomainName {
-    Volume,
-    Surface,
-}
-
-/// `{"relative": 0.5}`, `{"absolute": 2048}` or null.
-mod time_scale {
-    use super::*;
-
-    #[derive(Serialize, Deserialize)]
-    #[serde(rename_all = "lowercase")]
-    enum Named {
-        Relative(f64),
-        Absolute(f64),
+    /// The volume or area of the whole shape; none where neither voxels nor a region tell.
+    pub fn measure(&self) -> Option<f64> {
+        let region = self.regions.first().map(|r| r.volume / r.volume_fraction);
+        self.voxelization.as_ref().map(|v| v.volume).or(region)
     }
 
-    pub fn serialize<S: Serializer>(value: &Option<TimeScale>, to: S) -> Result<S::Ok, S::Error> {
-        let named = value.map(|scale| match scale {
-            TimeScale::Relative(t) => Named::Relative(t),
-            TimeScale::Absolute(t) => Named::Absolute(t),
-        });
-        named.serialize(to)
+    /// Whether a detection of this input with these parameters would find the same: same version, same bytes read, same
+    /// pose, same parameters.
+    pub fn is_of(&self, input: &InputRecord, domain: Domain, parameters: &Parameters) -> bool {
+        let pose = |i: &InputRecord| {
+            (i.sha256.clone(), i.mesh_sha256.clone(), i.animation.clone(), i.time.to_bits())
+        };
+        let parameters = Parameters { polarity: Some(parameters.polarity()), ..parameters.clone() };
+        self.mser3d == env!("CARGO_PKG_VERSION")
+            && self.format == FORMAT
+            && self.domain == domain
+            && input.sha256.is_some()
+            && pose(&self.input) == pose(input)
+            && self.parameters.without_limits() == parameters.without_limits()
     }
 
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<TimeScale>, D::Error> {
-        let named = Option::<Named>::deserialize(from)?;
-        Ok(named.map(|scale| match scale {
-            Named::Relative(t) => TimeScale::Relative(t),
-            Named::Absolute(t) => TimeScale::Absolute(t),
-        }))
+    /// The input's file name, without folder and ending.
+    pub fn name(&self) -> String {
+        let stem = Path::new(&self.input.path).file_stem().map(|s| s.to_string_lossy().into_owned());
+        stem.unwrap_or_else(|| "shape".to_owned())
     }
 }
 
 /// JSON has neither infinity nor NaN.
 mod stability {
-    use super::*;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
     #[derive(Serialize, Deserialize)]
+    #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
     #[serde(untagged)]
-    enum Stability {
+    pub enum Stability {
         Number(f64),
-        Word(String),
+        Infinite(Infinite),
         Unknown,
+    }
+
+    #[derive(Serialize, Deserialize)]
+    #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+    pub enum Infinite {
+        Infinity,
     }
 
     pub fn serialize<S: Serializer>(value: &f64, to: S) -> Result<S::Ok, S::Error> {
         match value {
             v if v.is_finite() => Stability::Number(*v),
             v if v.is_nan() => Stability::Unknown,
-            _ => Stability::Word("Infinity".to_owned()),
+            _ => Stability::Infinite(Infinite::Infinity),
         }
         .serialize(to)
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
-        match Stability::deserialize(from)? {
-            Stability::Number(v) => Ok(v),
-            Stability::Word(word) if word == "Infinity" => Ok(f64::INFINITY),
-            Stability::Word(_) => Err(serde::de::Error::custom("a stability is a number or \"Infinity\"")),
-            Stability::Unknown => Ok(f64::NAN),
-        }
+        Ok(match Stability::deserialize(from)? {
+            Stability::Number(v) => v,
+            Stability::Infinite(Infinite::Infinity) => f64::INFINITY,
+            Stability::Unknown => f64::NAN,
+        })
     }
 }
 
@@ -203,10 +336,10 @@ mod tests {
             let back: RegionRecord = serde_json::from_str(&text).unwrap();
             assert_eq!(back.stability.to_bits(), stability.to_bits(), "{text}");
         }
-        for time_scale in [None, Some(TimeScale::Relative(0.5)), Some(TimeScale::Absolute(9.0))] {
-            let tree = TreeRecord { time_scale, time: None, more: Map::new() };
-            let text = serde_json::to_string(&tree).unwrap();
-            assert_eq!(serde_json::from_str::<TreeRecord>(&text).unwrap(), tree, "{text}");
+        for time_scale in [TimeScale::Relative(0.5), TimeScale::Absolute(9.0)] {
+            let text = serde_json::to_string(&time_scale).unwrap();
+            assert_eq!(serde_json::from_str::<TimeScale>(&text).unwrap(), time_scale, "{text}");
         }
+        assert_eq!(serde_json::to_string(&TimeScale::Relative(0.5)).unwrap(), r#"{"relative":0.5}"#);
     }
 }

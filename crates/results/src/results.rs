@@ -1,11 +1,12 @@
 use mser3d::Features;
-use mser3d_shape::{Domain, TriangleMesh, VoxelGrid};
+use mser3d_shape::{Domain, IndexSet, TriangleMesh, VoxelGrid, innermost_regions};
 use mser3d_viewer::{Rgb, region_colours, voxel_surface};
 
-use crate::{Record, ResultsError};
+use crate::{InputRecord, Record, ResultsError, ShapeFile};
 
 /// What was found on a shape, as it is written to a folder, drawn and compared.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Results {
     /// What `regions.json` says.
     pub record: Record,
@@ -13,6 +14,8 @@ pub struct Results {
     pub mesh: TriangleMesh,
     /// Whether the mesh was made of the voxels' faces.
     pub mesh_of_voxels: bool,
+    /// The mesh's vertex of each vertex of a file that repeats them (STL, glTF).
+    pub file_vertex: Option<Vec<u32>>,
     /// The voxels of a volume.
     pub grid: Option<VoxelGrid>,
     /// The vertices of each region, ascending.
@@ -43,15 +46,34 @@ pub struct TreeArrays {
 }
 
 impl Results {
-    /// The results of [`mser3d::detect`] on a mesh, or (without one) on a solid given as voxels, whose
-    /// outer faces then serve as its mesh. `path` names the input.
+    /// What was found on a file.
+    ///
+    /// # Errors
+    /// [`ResultsError::OtherMesh`] when the features are not that file's.
+    pub fn of_file(features: &Features, file: &ShapeFile) -> Result<Self, ResultsError> {
+        let loaded = file.loaded();
+        let notes = loaded.map_or(&[][..], |l| &l.notes);
+        let record = Record::new(features, file.record(), notes);
+        let file_vertex = loaded.and_then(|l| l.weld.clone());
+        Ok(Self { file_vertex, ..Self::with_record(record, features, file.mesh())? })
+    }
+
+    /// What was found on a mesh, or (without one) on a solid given as voxels, whose outer faces then serve as its
+    /// mesh. `name` tells people where it came from; see [`Results::of_file`] for files.
     ///
     /// # Errors
     /// [`ResultsError::OtherMesh`] when the features are not that mesh's.
-    pub fn new(features: &Features, mesh: Option<&TriangleMesh>, path: &str) -> Result<Self, ResultsError> {
-        let body = &features.body;
-        let grid = body.grid();
-        let record = Record::new(features, path);
+    pub fn new(features: &Features, mesh: Option<&TriangleMesh>, name: &str) -> Result<Self, ResultsError> {
+        Self::with_record(Record::new(features, InputRecord::named(name), &[]), features, mesh)
+    }
+
+    fn with_record(
+        record: Record,
+        features: &Features,
+        mesh: Option<&TriangleMesh>,
+    ) -> Result<Self, ResultsError> {
+        let shape = &features.shape;
+        let grid = shape.grid();
         let region_vertices = features.regions.iter().map(|r| r.vertices.clone()).collect();
         let elements = features.regions.iter().map(|r| r.elements.clone());
         let region_voxels = elements.map(|e| if grid.is_some() { e } else { Vec::new() }).collect();
@@ -61,7 +83,7 @@ impl Results {
             volumes: (0..t.tree.len() as u32).map(|n| t.tree.volume(n)).collect(),
             entry: t.tree.nodes_of_vertices().to_vec(),
         });
-        let expected = body.element_of_vertex().len();
+        let expected = shape.element_of_vertex().len();
         let found = mesh.map_or(0, |m| m.vertices().len());
         if found != expected {
             return Err(ResultsError::OtherMesh { found, expected });
@@ -70,6 +92,7 @@ impl Results {
             record,
             mesh: mesh.cloned().unwrap_or(TriangleMesh::new(Vec::new(), Vec::new())?),
             mesh_of_voxels: false,
+            file_vertex: None,
             grid: grid.cloned(),
             region_vertices,
             region_voxels,
@@ -88,12 +111,12 @@ impl Results {
         self.mesh_of_voxels = true;
         let nearest = grid.nearest_voxels(self.mesh.vertices());
         let vertices_of = |voxels: &Vec<u32>| {
-            let mut inside = vec![false; grid.len()];
-            voxels.iter().for_each(|&v| inside[v as usize] = true);
-            let vertices = (0u32..).zip(&nearest).filter(|&(_, &v)| inside[v as usize]);
-            vertices.map(|(vertex, _)| vertex).collect()
+            let inside = IndexSet::from_members(grid.len(), voxels.iter().copied())?;
+            let vertices = (0u32..).zip(&nearest).filter(|&(_, &v)| inside.contains(v as usize));
+            Ok(vertices.map(|(vertex, _)| vertex).collect())
         };
-        self.region_vertices = self.region_voxels.iter().map(vertices_of).collect();
+        let region_vertices: Result<_, ResultsError> = self.region_voxels.iter().map(vertices_of).collect();
+        self.region_vertices = region_vertices?;
         Ok(self)
     }
 
@@ -104,12 +127,12 @@ impl Results {
 
     /// The innermost region of each vertex; -1 for none.
     pub fn vertex_region(&self) -> Vec<i32> {
-        innermost(self.mesh.vertices().len(), &self.region_vertices)
+        labels(self.mesh.vertices().len(), &self.region_vertices)
     }
 
     /// The innermost region of each voxel; -1 for none.
     pub fn voxel_region(&self) -> Vec<i32> {
-        innermost(self.grid.as_ref().map_or(0, VoxelGrid::len), &self.region_voxels)
+        labels(self.grid.as_ref().map_or(0, VoxelGrid::len), &self.region_voxels)
     }
 
     /// The descriptor of a region.
@@ -145,11 +168,7 @@ impl Results {
     }
 }
 
-/// Regions come by descending volume, so the last that has a member is the smallest.
-fn innermost(count: usize, regions: &[Vec<u32>]) -> Vec<i32> {
-    let mut labels = vec![-1; count];
-    for (id, members) in regions.iter().enumerate() {
-        members.iter().for_each(|&m| labels[m as usize] = id as i32);
-    }
-    labels
+/// Innermost regions as files have them: -1 for none.
+fn labels(count: usize, regions: &[Vec<u32>]) -> Vec<i32> {
+    innermost_regions(count, regions).into_iter().map(|region| region.map_or(-1, |r| r as i32)).collect()
 }

@@ -1,38 +1,28 @@
-use std::io::Write;
 use std::path::Path;
 
-use mser3d_meshio::{NpyArray, write_atomically, write_npz};
+use mser3d_fileio::{NpyArray, write_npz, write_text};
 use mser3d_shape::Frame;
 
-use crate::{Results, ResultsError};
+use crate::{Results, ResultsError, ResultsFolder};
 
 const FILES: [&str; 5] = ["regions.json", "features.npz", "surface.ply", "volume.vti", "view.html"];
 
 impl Results {
-    /// Writes the whole folder, which is made if it is not there: the files of
-    /// [`write_files`](Self::write_files), and `regions.json` from the record.
-    ///
-    /// # Errors
-    /// [`ResultsError::Io`] or [`ResultsError::File`], naming the file.
-    pub fn write(&self, folder: &Path) -> Result<(), ResultsError> {
-        let at = |error, path: &Path| ResultsError::Io { path: path.to_owned(), error };
-        std::fs::create_dir_all(folder).map_err(|e| at(e, folder))?;
-        self.write_files(folder, Vec::new())?;
-        let path = folder.join("regions.json");
-        let text = serde_json::to_string_pretty(&self.record).map_err(|e| at(e.into(), &path))?;
-        Ok(write_atomically(&path, |out| writeln!(out, "{text}"))?)
-    }
-
-    /// Writes `features.npz` (with more arrays, if some are given), `surface.ply` of a mesh and
+    /// Writes the folder, which is made if it is not there: `regions.json`, `features.npz`, `surface.ply` of a mesh and
     /// `volume.vti` of a volume.
     ///
-    /// The files of an older result go first, its page too, `regions.json` before the others: while it is
-    /// there, the others belong to it. Each file appears whole or not at all, and the same results
-    /// make the same bytes.
+    /// The files of an older result go first, its page too, `regions.json` before the others; and it appears
+    /// last: while it is there, the others belong to it. Each file appears whole or not at all, and the same results
+    /// make the same bytes. To find out early whether a folder can be written to, use [`ResultsFolder`].
     ///
     /// # Errors
-    /// [`ResultsError::Io`] or [`ResultsError::File`], naming the file.
-    pub fn write_files(&self, folder: &Path, more: Vec<(&str, NpyArray<'_>)>) -> Result<(), ResultsError> {
+    /// [`ResultsError::OutputFolder`], [`ResultsError::Io`], [`ResultsError::File`] or [`ResultsError::Mesh`], naming
+    /// the file.
+    pub fn write(&self, folder: &Path) -> Result<(), ResultsError> {
+        ResultsFolder::create(folder)?.write(self)
+    }
+
+    pub(crate) fn write_files(&self, folder: &Path) -> Result<(), ResultsError> {
         for name in FILES {
             let path = folder.join(name);
             match std::fs::remove_file(&path) {
@@ -49,7 +39,9 @@ impl Results {
             arrays.push(("vertex_region".to_owned(), NpyArray::flat(&vertex_region[..])));
             arrays.extend(lists("region_vertices", &self.region_vertices));
         }
-        arrays.extend(more.into_iter().map(|(name, array)| (name.to_owned(), array)));
+        if let Some(file_vertex) = &self.file_vertex {
+            arrays.push(("file_vertex".to_owned(), NpyArray::flat(&file_vertex[..])));
+        }
         if let Some(grid) = &self.grid {
             let index: Vec<u32> = grid.voxels().flatten().collect();
             arrays.push(("voxel_region".to_owned(), NpyArray::flat(&voxel_region[..])));
@@ -72,7 +64,10 @@ impl Results {
         if self.grid.is_some() {
             self.export(&folder.join("volume.vti"))?;
         }
-        Ok(())
+        let path = folder.join("regions.json");
+        let json = self.record.to_json();
+        let json = json.map_err(|error| ResultsError::Io { path: path.clone(), error: error.into() })?;
+        Ok(write_text(&path, &json)?)
     }
 
     fn tree_arrays(&self) -> impl Iterator<Item = (String, NpyArray<'_>)> {

@@ -1,6 +1,5 @@
 //! `match`, `batch` and `query`, and the cache of spectra.
 
-mod common;
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -8,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use common::*;
+use crate::common::*;
 use serde_json::Value;
 
 /// Few voxels, and nothing to say about that.
@@ -125,7 +124,7 @@ fn a_bad_shape_is_recorded_and_the_rest_go_on() {
     assert_eq!((failures.as_array().unwrap().len(), &failures[0]["name"]), (1, &"bad".into()));
     assert!(failures[0]["error"].as_str().unwrap().contains("bad.off:5"), "{failures}");
     assert!(collection.join("human_rest/regions.json").exists());
-    // Once it is mended, nothing of the failure remains.
+    // Once it is corrected, nothing of the failure remains.
     fs::copy(&poses()[1], &bad).unwrap();
     let summary = batch(&inputs, &collection, SMALL);
     assert_eq!((&summary["computed"], &summary["kept"]), (&1.into(), &1.into()));
@@ -213,7 +212,7 @@ fn regions_of_two_poses_match_up_to_symmetry() {
     assert_eq!(csv.lines().count(), matches.len() + 1);
     assert!(fs::read(folder.path().join("matches/matches.png")).unwrap().starts_with(b"\x89PNG"));
     assert_eq!(fs::read(folder.path().join("matches/matches.json")).unwrap(), output.stdout);
-    assert_fails(&matched(&["--overlap", "1.5"]), 2, &["overlap is 1.5", "at most 1"]);
+    assert_fails(&matched(&["--min-overlap", "1.5"]), 2, &["threshold is 1.5", "at most 1"]);
     // One to one, no partner is taken twice.
     let output = matched(&["--json", "--rule", "one-to-one"]);
     let result: Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -269,7 +268,7 @@ fn what_cannot_be_compared_is_refused() {
     assert_fails(&run("query", "empty", "a"), 1, &["no collection", "mser3d batch"]);
     let regions = path("b").join("regions.json");
     let record = fs::read_to_string(&regions).unwrap();
-    fs::write(&regions, record.replacen("\"format\": 1", "\"format\": 77", 1)).unwrap();
+    fs::write(&regions, record.replacen("\"format\": 2", "\"format\": 77", 1)).unwrap();
     assert_fails(&run("match", "a", "b"), 1, &["format 77", "detect` again"]);
     let output = batch_command(&[path("empty")], &path("c"), "").output().unwrap();
     assert_fails(&output, 1, &["no shapes in this folder"]);

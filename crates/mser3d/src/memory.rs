@@ -1,11 +1,11 @@
-//! What the operating system knows: memory there is, memory we used.
+//! What the operating system knows of memory: Linux tells, others do not.
 
-/// The most memory this process has held, in bytes; `None` where the system does not tell.
+/// The most memory that this process has held, in bytes; `None` where the system does not tell.
 pub fn peak_memory() -> Option<u64> {
     proc_field("/proc/self/status", "VmHWM:")
 }
 
-/// Memory that can be had without swapping, in bytes.
+/// Memory that can be had without swapping, in bytes; `None` where the system does not tell.
 pub fn available_memory() -> Option<u64> {
     proc_field("/proc/meminfo", "MemAvailable:")
 }

@@ -1,7 +1,4 @@
 //! What the system may do to a run: odd names, full disks, signals.
-#![cfg(unix)]
-
-mod common;
 
 use std::ffi::OsStr;
 use std::fs::{self, File};
@@ -10,7 +7,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use common::*;
+use crate::common::*;
 
 const SMALL: &str = "--voxels 1500 --eigenpairs 20 --quiet";
 

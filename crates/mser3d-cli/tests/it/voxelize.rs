@@ -1,8 +1,7 @@
 //! `mser3d voxelize`, and masks that come back as solids.
 
-mod common;
 
-use common::*;
+use crate::common::*;
 use mser3d_volumeio::read_volume;
 use std::path::Path;
 
@@ -23,7 +22,7 @@ fn a_mask_lies_where_the_mesh_does_and_is_its_solid() {
     let volume = read_volume(&mask).unwrap();
     assert_eq!(said["voxels"], volume.mask().unwrap().count_ones());
     assert_eq!(
-        (&said["method"], &said["components"], &said["confidence"]),
+        (&said["inside"], &said["topology"]["components"], &said["confidence"]),
         (&"winding".into(), &1.into(), &1.0.into())
     );
     let frame = volume.frame().unwrap();
@@ -80,7 +79,7 @@ fn wrong_use_is_told_before_the_work() {
     for (options, words) in [
         ("--spacing 1,2", &["--spacing", "three"][..]),
         ("--origin 1,2,3,4", &["--origin", "three"]),
-        ("--open --close", &["--open", "--close"]),
+        ("--morphology melt", &["--morphology", "open", "close"]),
         ("--voxels 100 --pitch 1", &["--voxels", "--pitch"]),
     ] {
         assert_fails(&voxelize(&mesh, &mask, options), 2, words);

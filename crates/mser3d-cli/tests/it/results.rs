@@ -1,13 +1,13 @@
 //! What `detect` writes, and what `inspect` says.
 
-mod common;
 
 use std::collections::{BTreeMap, HashSet};
 use std::fs;
 use std::path::Path;
 
-use common::*;
-use mser3d_meshio::{NpyArray, NpyValues, ReadOptions, read_mesh, read_npz};
+use crate::common::*;
+use mser3d_fileio::{NpyArray, NpyValues, read_npz};
+use mser3d_meshio::{ReadOptions, read_mesh};
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
@@ -76,7 +76,7 @@ fn a_volume_writes_four_files_that_agree() {
     assert_eq!(report["input"]["path"], input.to_str().unwrap());
     assert_eq!(report["input"]["diagnosis"]["vertices"], 3756);
     assert_eq!(report["input"]["diagnosis"]["closed"], true);
-    assert_eq!(report["parameters"]["spectrum"]["eigenpairs"], 40);
+    assert_eq!(report["parameters"]["spectrum"]["eigenpairs"]["count"], 40);
     assert_eq!(report["parameters"]["voxelize"]["pitch"]["voxels"], 4000);
     assert_eq!(report["parameters"]["stability"]["window"], 0.2);
     assert!(report["warnings"].is_array());
@@ -262,8 +262,8 @@ fn inspect_tells_what_is_wrong_with_a_mesh() {
         said.contains("consistent, outwards") && said.contains("1.000000 x 1.000000 x 1.000000"),
         "{said}"
     );
-    assert!((found["estimate"]["pitch"].as_f64().unwrap() - 45_000f64.cbrt().recip()).abs() < 1e-12);
-    assert_eq!(found["estimate"]["voxels"], 45_000);
+    assert!((found["pitch"].as_f64().unwrap() - 45_000f64.cbrt().recip()).abs() < 1e-12);
+    assert_eq!(found["estimate"]["elements"], 45_000);
     assert!(found["estimate"]["memory_bytes"].as_u64().unwrap() > 10_000_000);
     assert!(found["estimate"]["seconds"].as_f64().unwrap() > 0.1);
     assert_eq!(found["sha256"].as_str().unwrap().len(), 64);
@@ -306,6 +306,6 @@ fn inspect_tells_what_is_wrong_with_a_mesh() {
     let mask = folder.path().join("mask.npy");
     fs::write(&mask, npy([5, 6, 7], |_, _, z| z > 0)).unwrap();
     let (said, found) = inspect(&mask);
-    assert_eq!((&found["mask"]["voxels"], &found["estimate"]["voxels"]), (&180.into(), &180.into()));
+    assert_eq!((&found["mask"]["voxels"], &found["estimate"]["elements"]), (&180.into(), &180.into()));
     assert!(said.contains("5 x 6 x 7 voxels, 180 inside"), "{said}");
 }

@@ -1,15 +1,13 @@
 //! The documentation says what the program does: its commands run, its options exist.
 
-#![cfg(unix)]
 
-mod common;
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use common::*;
+use crate::common::*;
 use serde_json::Value;
 
 fn root() -> PathBuf {
@@ -191,7 +189,7 @@ fn every_field_and_array_of_a_result_is_documented() {
     }
     names.extend(keys(&record["regions"][0]));
     names.extend(keys(&record["trees"][0]));
-    let arrays = mser3d_meshio::read_npz(&result.join("features.npz")).unwrap();
+    let arrays = mser3d_fileio::read_npz(&result.join("features.npz")).unwrap();
     names.extend(arrays.into_keys().filter(|name| !name.starts_with("tree") || name.starts_with("tree0")));
     let [match_, result, output] = ["match".as_ref(), result.as_os_str(), "-o".as_ref()];
     assert!(mser3d([match_, result, result, output, matches.as_os_str()]).status.success());

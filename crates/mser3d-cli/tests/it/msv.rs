@@ -2,7 +2,8 @@
 
 use std::process::Command;
 
-use mser3d_volumeio::{Placement, Values, Volume, read_volume, write_nifti};
+use crate::common::{assert_fails, mser3d};
+use mser3d_volumeio::{Placement, Samples, Volume, read_volume, write_nifti};
 
 fn msv(arguments: &[&std::ffi::OsStr]) -> std::process::Output {
     Command::new(env!("CARGO_BIN_EXE_mser3d")).arg("msv").args(arguments).output().unwrap()
@@ -32,7 +33,7 @@ fn a_dark_ball_and_a_bright_box_are_found_where_they_lie() {
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
     assert_eq!(String::from_utf8_lossy(&done.stdout), "dark regions: 1\nbright regions: 1\n");
 
-    let json = std::fs::read_to_string(out.join("regions.json")).unwrap();
+    let json = std::fs::read_to_string(out.join("msv.json")).unwrap();
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     let region = |search: usize| json["searches"][search]["regions"][0].clone();
     let numbers = |value: &serde_json::Value| -> Vec<f64> {
@@ -42,7 +43,7 @@ fn a_dark_ball_and_a_bright_box_are_found_where_they_lie() {
         |a: Vec<f64>, b: [f64; 3]| assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6), "{a:?}");
     close(numbers(&region(0)["centre"]), [13.0, 7.0, 5.0]);
     close(numbers(&region(1)["centre"]), [18.5, 7.0, 6.0]);
-    assert_eq!(region(1)["voxels"], 63.0);
+    assert_eq!(region(1)["voxels"], 63);
     assert_eq!(region(1)["volume"], 31.5);
     // A box of n voxels has the variance (n^2 - 1) / 12, an ellipsoid a fifth of its squared semi-axis.
     let semi_axis = |n: f64, h: f64| h * (5.0 * (n * n - 1.0) / 12.0).sqrt();
@@ -50,13 +51,25 @@ fn a_dark_ball_and_a_bright_box_are_found_where_they_lie() {
 
     let labels = read_volume(&out.join("labels.npy")).unwrap();
     assert_eq!((labels.dims(), labels.channels()), (dims, 2));
-    let Values::I32(labels) = labels.values() else { panic!("{:?}", labels.values().type_name()) };
+    let Samples::I32(labels) = labels.samples() else { panic!("{:?}", labels.samples().type_name()) };
     for (voxel, label) in labels.chunks(2).enumerate() {
         let expected = [if value(voxel) == 40 { 0 } else { -1 }, if value(voxel) == 220 { 0 } else { -1 }];
         assert_eq!(label, expected);
     }
     assert_eq!(std::fs::read_to_string(out.join("regions.csv")).unwrap().lines().count(), 3);
     assert!(out.join("labels.vti").exists());
+
+    // What was found is shown; what needs descriptors says so.
+    let word = std::ffi::OsStr::new;
+    for command in ["render", "view"] {
+        let shown = mser3d([word(command), out.as_os_str()]);
+        assert!(shown.status.success(), "{}", String::from_utf8_lossy(&shown.stderr));
+    }
+    assert!(std::fs::read(out.join("regions.png")).unwrap().starts_with(b"\x89PNG"));
+    let page = std::fs::read_to_string(out.join("view.html")).unwrap();
+    assert!(page.contains("<title>Stable volumes of v</title>"));
+    let matched = mser3d([word("match"), out.as_os_str(), out.as_os_str()]);
+    assert_fails(&matched, 1, &["mser3d msv", "viewed and rendered, but not matched"]);
 }
 
 #[test]
@@ -75,6 +88,7 @@ fn wrong_use_and_unreadable_volumes_are_told_apart() {
     };
     assert_eq!(with(&["--delta", "-1"], &path), Some(2));
     assert_eq!(with(&["--min-diversity", "3"], &path), Some(2));
+    assert_eq!(with(&["--regions", "dark,loud"], &path), Some(2));
     assert_eq!(with(&[], folder.path().join("mesh.obj").as_ref()), Some(2));
     assert_eq!(with(&[], folder.path().join("none.nii").as_ref()), Some(1));
     assert!(!out.exists());

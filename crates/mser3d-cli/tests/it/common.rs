@@ -1,5 +1,4 @@
 //! Runs the program and reads what it wrote.
-#![allow(dead_code, reason = "each test file uses a part")]
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};

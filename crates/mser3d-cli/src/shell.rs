@@ -1,14 +1,14 @@
 //! `mser3d completions` and `mser3d man`: what shells and `man` want to know of the command line.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::CommandFactory;
 use clap_complete::Shell;
-use mser3d_meshio::write_atomically;
+use mser3d_fileio::write_atomically;
+use mser3d_results::ResultsError;
 
 use crate::Cli;
-use crate::error::CliError;
+use crate::error::{CliError, print};
 
 #[derive(clap::Args)]
 pub struct CompletionsArgs {
@@ -20,7 +20,7 @@ pub struct CompletionsArgs {
 pub fn completions(args: &CompletionsArgs) -> Result<(), CliError> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "mser3d", &mut script);
-    std::io::stdout().lock().write_all(&script).map_err(CliError::Stdout)
+    print(&String::from_utf8_lossy(&script))
 }
 
 #[derive(clap::Args)]
@@ -31,7 +31,7 @@ pub struct ManArgs {
 }
 
 pub fn man(args: &ManArgs) -> Result<(), CliError> {
-    let fail = |source| CliError::OutputFolder { path: args.output.clone(), source };
+    let fail = |error| ResultsError::OutputFolder { path: args.output.clone(), error };
     std::fs::create_dir_all(&args.output).map_err(fail)?;
     let mut command = Cli::command().disable_help_subcommand(true);
     command.build();

@@ -1,11 +1,10 @@
 //! What surrounds the commands: completions, manual pages, the version and the log.
 
-mod common;
 
 use std::fs;
 use std::process::{Command, Output};
 
-use common::*;
+use crate::common::*;
 
 const COMMANDS: [&str; 7] = ["detect", "inspect", "render", "view", "match", "batch", "query"];
 

@@ -1,0 +1,15 @@
+//! The program as users meet it: its files, words, exit codes, and what its documentation promises.
+
+mod collections;
+mod common;
+#[cfg(unix)]
+mod docs;
+mod failures;
+mod libraries;
+mod msv;
+mod names;
+mod results;
+mod shell;
+#[cfg(unix)]
+mod system;
+mod voxelize;
