@@ -2,7 +2,8 @@
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use mser3d_comptree::{ComponentTree, Polarity, StabilityParameters, Stencil, stable_regions};
+use mser3d_comptree::shape::Connectivity;
+use mser3d_comptree::{ComponentTree, Polarity, StabilityParameters, stable_regions};
 
 /// Waves in three directions, always positive.
 fn field(dims: [usize; 3]) -> Vec<f64> {
@@ -24,18 +25,22 @@ fn trees(c: &mut Criterion) {
         group.throughput(Throughput::Elements(n as u64));
         group.bench_function(BenchmarkId::new("vertex", n), |b| {
             b.iter(|| {
-                ComponentTree::from_grid(dims, Stencil::Six, black_box(&values), 1.0, Polarity::Sublevel)
+                ComponentTree::from_grid(dims, Connectivity::Six, black_box(&values), 1.0, Polarity::Sublevel)
             })
         });
         let grey: Vec<u8> = values.iter().map(|v| (v * 30.0) as u8).collect();
         group.bench_function(BenchmarkId::new("vertex u8", n), |b| {
-            b.iter(|| ComponentTree::from_grid(dims, Stencil::Six, black_box(&grey), 1.0, Polarity::Sublevel))
+            b.iter(|| {
+                ComponentTree::from_grid(dims, Connectivity::Six, black_box(&grey), 1.0, Polarity::Sublevel)
+            })
         });
         let difference = |u: u32, v: u32| (values[u as usize] - values[v as usize]).abs();
         group.bench_function(BenchmarkId::new("edge", n), |b| {
-            b.iter(|| ComponentTree::from_grid_edges(dims, Stencil::Six, difference, 1.0, Polarity::Sublevel))
+            b.iter(|| {
+                ComponentTree::from_grid_edges(dims, Connectivity::Six, difference, 1.0, Polarity::Sublevel)
+            })
         });
-        let tree = ComponentTree::from_grid(dims, Stencil::Six, &values, 1.0, Polarity::Superlevel);
+        let tree = ComponentTree::from_grid(dims, Connectivity::Six, &values, 1.0, Polarity::Superlevel);
         if let Ok(tree) = tree {
             group.bench_function(BenchmarkId::new("selection", n), |b| {
                 b.iter(|| stable_regions(black_box(&tree), &StabilityParameters::default()))

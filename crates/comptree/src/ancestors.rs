@@ -1,5 +1,6 @@
+//! Lowest common ancestors in constant time (Schieber and Vishkin 1988).
 use crate::ComponentTree;
-use crate::order::NONE;
+use crate::tree::NONE;
 
 /// Answers queries for lowest common ancestors in constant time (Schieber and Vishkin 1988), from three
 /// numbers a node.

@@ -1,6 +1,7 @@
-//! What can be said of every node, each in one pass. For anything else there is
+//! Attributes of every node, each in one pass: boxes, moments (Chan, Golub and LeVeque 1983), persistence
+//! (Edelsbrunner et al. 2002; dynamics: Grimaud 1992). For anything else there is
 //! [`ComponentTree::accumulate`].
-use crate::order::NONE;
+use crate::tree::NONE;
 use crate::{ComponentTree, Volumes};
 
 /// The smallest box that holds a set of points.
@@ -90,11 +91,13 @@ impl ComponentTree {
         self.accumulate(point, Moments::join)
     }
 
-    /// The persistence (dynamics) of each node: how far the level moves from the lowest altitude in the
-    /// node to the merge with a component that reaches lower; for those that nothing lower joins, to the
-    /// root. Of equal minima the one with the smaller vertex in its component counts as lower.
+    /// The persistence (dynamics) of each node: how far the level moves from the first altitude in the
+    /// node to the merge with a component that began earlier; up to the root where no such component joins.
+    /// Of two components that began at the same level, the one with the smaller vertex counts as earlier.
     ///
-    /// The same number for all nodes from a minimum up to that merge. Not negative for either polarity.
+    /// The number is the same for all nodes from a minimum up to that merge (for superlevel sets, from a
+    /// maximum). It is never negative. Every merge counts, however small; the lifetime of a
+    /// [`Merge`](crate::Merge) counts only real merges.
     pub fn persistence(&self) -> Vec<f64> {
         self.persistence_of(|node| self.polarity().orient(self.altitude(node)))
     }

@@ -1,3 +1,4 @@
+//! Regions drawn as ellipses, as MSER of images are (Matas et al. 2002), and as ellipsoids.
 use crate::Moments;
 
 /// The ellipsoid with the volume's centroid and second moments: what a region is drawn as.

@@ -55,13 +55,6 @@ pub enum TreeError {
     #[error(transparent)]
     Shape(#[from] mser3d_shape::ShapeError),
     /// A parameter is out of its range.
-    #[error("{name} is {value}, but must be {requirement}")]
-    BadParameter {
-        /// The parameter's name.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// What it must be.
-        requirement: &'static str,
-    },
+    #[error(transparent)]
+    InvalidParameter(#[from] mser3d_shape::InvalidParameter),
 }

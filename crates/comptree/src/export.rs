@@ -1,28 +1,14 @@
-//! Trees as petgraph's graphs, as DOT, and as bytes.
+//! Trees as DOT, and as bytes.
 use std::fmt;
 use std::io::{self, Read, Write};
 
-use petgraph::graph::{DiGraph, NodeIndex};
-
-use crate::order::NONE;
-use crate::tree::{NodeVolumes, Nodes};
+use crate::tree::{NONE, NodeVolumes, Nodes};
 use crate::{ComponentTree, Polarity, Volumes};
 
 /// The first bytes of a saved tree; the last of them is the version.
 const MAGIC: [u8; 8] = *b"comptre\x01";
 
 impl ComponentTree {
-    /// The tree as a petgraph graph: node i is node i, weighted by its altitude, with an edge to its
-    /// parent.
-    pub fn to_petgraph(&self) -> DiGraph<f64, ()> {
-        let mut graph = DiGraph::with_capacity(self.len(), self.len());
-        self.altitudes.iter().for_each(|&altitude| _ = graph.add_node(altitude));
-        for (node, &parent) in self.parents.iter().enumerate().filter(|(_, parent)| **parent != NONE) {
-            graph.add_edge(NodeIndex::new(node), NodeIndex::new(parent as usize), ());
-        }
-        graph
-    }
-
     /// The tree in Graphviz's language: altitude and volume of each node, edges from parents to children.
     ///
     /// ```

@@ -1,11 +1,12 @@
-//! Simplified trees, and components at a level.
-use crate::layout::canonical;
-use crate::order::NONE;
+//! Simplified trees by attribute filters (Salembier et al. 1998; area opening: Vincent 1993), and components
+//! at a level.
+use crate::numbering::canonical;
+use crate::tree::NONE;
 use crate::{ComponentTree, Polarity, TreeError, Volumes};
 
 impl ComponentTree {
-    /// The tree with only the nodes that are to be kept, and all roots. The vertices of the others go to
-    /// their nearest ancestor that is kept (the direct rule of attribute filters).
+    /// The tree with only the nodes for which `keep` holds, and all roots. Vertices of a removed node move to
+    /// its nearest kept ancestor (the direct rule of attribute filters).
     ///
     /// `volumes` are those the tree was built with.
     ///

@@ -5,6 +5,7 @@
 //! that hardly change while the level rises are the *maximally stable* ones: the MSER of images
 //! (Matas et al. 2002), the maximally stable volumes of grey-value volumes (Donoser and Bischof 2006),
 //! and the volumetric features of Litman, Bronstein and Bronstein (2012), for which this crate was made.
+//! Equation numbers in this documentation are those of that paper.
 //!
 //! What holds, for every way to build a tree:
 //!
@@ -32,6 +33,34 @@
 //! assert_eq!(regions, [&[1, 2, 3][..], &[7, 8]]); // largest first
 //! # Ok::<(), mser3d_comptree::TreeError>(())
 //! ```
+//!
+//! # Glossary
+//!
+//! * **Level**: the threshold that moves. What has a weight up to the level has *entered*.
+//! * **Polarity**: which way the level moves ([`Polarity`]). Sublevel sets `{ w <= level }` grow while it
+//!   rises; superlevel sets `{ w >= level }` grow while it falls.
+//! * **Altitude** of a node: the level at which the component comes into being, in units of the weight. For
+//!   sublevel sets that is the largest weight in it, for superlevel sets the smallest.
+//! * **Altitude scale**: what differences of altitude are measured on, the weight or its logarithm
+//!   ([`AltitudeScale`]). Stability, persistence and lifetime are in units of that scale.
+//! * **Stability** of a component: its volume divided by the change of its volume with the level
+//!   ([`StableRegion::stability`]).
+//! * **Real merge**: a node at which at least two children have the minimum volume. Merges with anything
+//!   smaller count as growth.
+//! * **Branch** (of the windowed rule): the nodes from one real merge up to the next, in each of them the
+//!   largest child.
+//! * **Lifetime** of a part: the difference of level from the start of its branch to the real merge that ends
+//!   it ([`Merge::lifetime`]).
+//! * **Persistence** of a component: the difference of level from its first vertex to the merge with a
+//!   component that began earlier ([`ComponentTree::persistence`]). It knows no minimum volume: *every* merge
+//!   counts, and the part that began first goes on through it. So an arm has a lifetime that ends at the
+//!   shoulder, while the persistence of the part with the extreme weight of the whole shape reaches to the
+//!   root.
+//!
+//! # Features
+//!
+//! * `petgraph`: trees of petgraph's graphs, and trees as such graphs.
+//! * `serde`: parameters, reports and names of choices for serde; `schema`: their JSON Schema.
 #![warn(missing_docs)]
 
 mod ancestors;
@@ -41,27 +70,37 @@ mod ellipsoid;
 mod error;
 mod export;
 mod filter;
-mod grey;
-mod layout;
+mod grey_value;
 mod msv;
-mod order;
-mod petgraph;
+mod numbering;
+#[cfg(feature = "petgraph")]
+mod petgraph_graphs;
+mod polarity;
 mod pool;
 mod stability;
 mod topology;
 mod tree;
+mod volumes;
 
 pub use ancestors::CommonAncestors;
 pub use attributes::{Bounds, Moments};
 pub use ellipsoid::Ellipsoid;
 pub use error::TreeError;
-pub use grey::GreyValue;
+pub use grey_value::GreyValue;
+pub use mser3d_shape as shape;
+pub use mser3d_shape::InvalidParameter;
 pub use msv::{MsvParameters, maximally_stable_volumes};
-pub use order::{Polarity, Volumes};
+#[cfg(feature = "petgraph")]
+pub use petgraph;
+pub use polarity::Polarity;
 pub use pool::{PoolParameters, PooledRegion, pool};
 pub use stability::{
-    AltitudeScale, Merge, Mode, Selection, SelectionReport, StabilityParameters, StableRegion, stability,
-    stable_regions,
+    AltitudeScale, Merge, Selection, SelectionReport, StabilityParameters, StabilityRule, StableRegion,
+    stability, stable_regions,
 };
-pub use topology::Stencil;
 pub use tree::{ComponentTree, Siblings};
+pub use volumes::Volumes;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}

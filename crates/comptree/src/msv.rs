@@ -1,9 +1,13 @@
-//! Maximally stable volumes of grey values, as VLFeat defines them.
-use crate::stability::{Candidate, arrange};
+//! Maximally stable volumes of grey values (Donoser and Bischof 2006), as VLFeat defines MSER.
+use mser3d_shape::InvalidParameter;
+
+use crate::stability::{Candidate, regions_of};
 use crate::{ComponentTree, Selection, SelectionReport, TreeError};
 
 /// VLFeat's parameters of MSER, by its names; for volumes as for images.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MsvParameters {
     /// Over how many grey values a region is compared with what it grows into. Default 5.
     pub delta: f64,
@@ -11,14 +15,17 @@ pub struct MsvParameters {
     pub min_area: f64,
     /// Largest area (volume) of a region as a fraction of all. Default 0.75.
     pub max_area: f64,
-    /// Regions go whose variation `(area at level + delta - area) / area` is this or more. Default 0.25.
+    /// Variation `(area at level + delta - area) / area` from which on a region is dropped as unstable.
+    /// Default 0.25.
     pub max_variation: f64,
-    /// Regions go whose nearest ancestor that stays, or root, differs by less, `(its area - area) / its
-    /// area`; 0 to 1. Default 0.2.
+    /// A region is dropped if it differs by less than this from the nearest kept region around it, or from
+    /// the root: `(outer area - area) / outer area`; 0 to 1. Default 0.2.
     pub min_diversity: f64,
-    /// Regions are compared with their parents only if these follow within this difference of grey
-    /// values; otherwise they last a whole step unchanged, and are maximally stable. Default 1, for
-    /// integers; infinite to compare always.
+    /// A region is compared with its parent only if the parent's grey value is at most this far away.
+    /// Otherwise the region lasts a whole step unchanged, and is maximally stable. Default 1, for integers;
+    /// infinite to compare always (`null` in JSON).
+    #[cfg_attr(feature = "serde", serde(with = "infinite_as_null"))]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub step: f64,
 }
 
@@ -32,7 +39,7 @@ impl MsvParameters {
     /// Checks every range.
     ///
     /// # Errors
-    /// [`TreeError::BadParameter`] for the first value out of its range.
+    /// [`TreeError::InvalidParameter`] for the first value out of its range.
     pub fn validate(&self) -> Result<(), TreeError> {
         let fraction = |x: f64| (0.0..=1.0).contains(&x);
         let checks = [
@@ -44,9 +51,23 @@ impl MsvParameters {
             (self.step >= 0.0, "step", self.step, "0 or more"),
         ];
         match checks.into_iter().find(|check| !check.0) {
-            Some((_, name, value, requirement)) => Err(TreeError::BadParameter { name, value, requirement }),
+            Some((_, name, value, expected)) => Err(InvalidParameter::new(name, value, expected).into()),
             None => Ok(()),
         }
+    }
+}
+
+/// JSON has no infinity.
+#[cfg(feature = "serde")]
+mod infinite_as_null {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(value: &f64, to: S) -> Result<S::Ok, S::Error> {
+        value.is_finite().then_some(*value).serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+        Ok(Option::deserialize(from)?.unwrap_or(f64::INFINITY))
     }
 }
 
@@ -62,19 +83,20 @@ impl MsvParameters {
 /// VLFeat works on u8 with 8 (26) neighbours; here the tree decides.
 ///
 /// ```
-/// use mser3d_comptree::{ComponentTree, MsvParameters, Polarity, Stencil, maximally_stable_volumes};
+/// use mser3d_comptree::{ComponentTree, MsvParameters, Polarity, maximally_stable_volumes};
+/// use mser3d_comptree::shape::Connectivity;
 ///
 /// // A dark square of 16 pixels on a bright ground.
 /// let pixel = |i: usize| if (3..7).contains(&(i % 10)) && (3..7).contains(&(i / 10)) { 40u8 } else { 200 };
 /// let image: Vec<u8> = (0..100).map(pixel).collect();
-/// let tree = ComponentTree::from_grid([10, 10, 1], Stencil::Eight, &image, 1.0, Polarity::Sublevel)?;
+/// let tree = ComponentTree::from_grid([10, 10, 1], Connectivity::TwentySix, &image, 1.0, Polarity::Sublevel)?;
 /// let regions = maximally_stable_volumes(&tree, &MsvParameters::default())?.regions;
 /// assert_eq!((regions.len(), regions[0].volume, regions[0].altitude), (1, 16.0, 40.0));
 /// # Ok::<(), mser3d_comptree::TreeError>(())
 /// ```
 ///
 /// # Errors
-/// [`TreeError::BadParameter`] from [`MsvParameters::validate`].
+/// [`TreeError::InvalidParameter`] from [`MsvParameters::validate`].
 pub fn maximally_stable_volumes(
     tree: &ComponentTree,
     parameters: &MsvParameters,
@@ -96,7 +118,7 @@ pub fn maximally_stable_volumes(
     let (smallest, largest) = (parameters.min_area * total, parameters.max_area * total);
     let mut report = SelectionReport { nodes: tree.len(), ..Default::default() };
     let mut kept = Vec::new();
-    // From the roots down, so that a region is compared with the nearest ancestor that stays, or the root.
+    // From the roots down, so that a region is compared with the nearest ancestor that is kept, or the root.
     let mut nearest: Vec<u32> = (0..count).collect();
     for node in (0..count).rev() {
         let Some(parent) = tree.parent(node) else { continue };
@@ -124,7 +146,7 @@ pub fn maximally_stable_volumes(
         stable[node as usize] = false;
     }
     report.kept = kept.len();
-    Ok(Selection { regions: arrange(tree, kept), report })
+    Ok(Selection { regions: regions_of(tree, kept), report })
 }
 
 /// How much each node grows until `delta` further, relative to its volume.

@@ -1,11 +1,15 @@
-use crate::order::Volumes;
-use crate::{ComponentTree, Selection, TreeError};
+//! Regions of several time scales as one set: not in the paper.
+use mser3d_shape::{IndexSet, InvalidParameter};
+
+use crate::{ComponentTree, Selection, TreeError, Volumes};
 
 /// How regions of several trees become one set.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PoolParameters {
-    /// A region goes if its overlap with a kept one, vol(A and B) / vol(A or B), is this or more.
-    /// 0 to 1; anything above 1 keeps all. Default 0.8.
+    /// A region is a duplicate, and dropped, if its overlap with a kept one, vol(A and B) / vol(A or B), is
+    /// this or more. 0 to 1; anything above 1 keeps all. Default 0.8.
     pub duplicate_overlap: f64,
 }
 
@@ -19,18 +23,16 @@ impl PoolParameters {
     /// Checks the range.
     ///
     /// # Errors
-    /// [`TreeError::BadParameter`] unless the overlap is positive.
+    /// [`TreeError::InvalidParameter`] unless the overlap is positive.
     pub fn validate(&self) -> Result<(), TreeError> {
         let value = self.duplicate_overlap;
-        if value > 0.0 {
-            return Ok(());
-        }
-        Err(TreeError::BadParameter { name: "duplicate_overlap", value, requirement: "positive" })
+        Ok(InvalidParameter::unless(value > 0.0, "duplicate_overlap", value, "positive")?)
     }
 }
 
 /// A region of the pooled set.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PooledRegion {
     /// Which of the trees it comes from.
     pub tree: usize,
@@ -45,20 +47,24 @@ pub struct PooledRegion {
 }
 
 /// Pools the regions of several trees on the same vertices, one tree for each time scale, and drops
-/// duplicates: in order, each one goes that overlaps a kept one too much.
+/// duplicates.
 ///
-/// Parts before a real merge come first, those before which the merge is sharpest
-/// ([`Merge::growth`](crate::Merge::growth)) ahead: of nearly equal regions, these are found again best.
-/// The others follow, the largest ahead. So a part is not lost to a somewhat larger region of another tree
-/// that only happens to be stable.
+/// Regions are taken in order of preference, and each one that overlaps a kept region too much is dropped:
 ///
-/// What is kept is listed by descending volume; of equal volumes, the region of the earlier tree comes
+/// 1. regions that a real merge ends, the sharpest merge first (the largest
+///    [`growth`](crate::Merge::growth)): among nearly equal regions, these are found again best on a
+///    deformed shape;
+/// 2. all others, the largest first.
+///
+/// So a part is not lost to a somewhat larger region of another tree that only happens to be stable.
+///
+/// The result is sorted by descending volume; of equal volumes, the region of the earlier tree comes
 /// first. Regions of different trees can overlap without being nested.
 ///
 /// Cost: for each pair of regions of like volume, one look at the vertices of the smaller.
 ///
 /// # Errors
-/// [`TreeError::BadParameter`] from [`PoolParameters::validate`]; [`TreeError::SizeMismatch`] when the
+/// [`TreeError::InvalidParameter`] from [`PoolParameters::validate`]; [`TreeError::SizeMismatch`] when the
 /// trees or volumes differ in the number of vertices; [`TreeError::BadVolume`].
 pub fn pool<'v>(
     trees: &[(&ComponentTree, &Selection)],
@@ -88,26 +94,27 @@ pub fn pool<'v>(
     candidates.sort_by(|a, b| b.volume.total_cmp(&a.volume));
     candidates.sort_by(|a, b| b.growth.total_cmp(&a.growth));
 
-    let mut kept: Vec<(Candidate<'_>, Members)> = Vec::new();
+    let mut kept: Vec<(Candidate<'_>, IndexSet)> = Vec::new();
     for candidate in candidates {
         let Candidate { vertices, volume, .. } = candidate;
         let duplicate = kept.iter().any(|(other, members)| {
             // An overlap is at most the ratio of the volumes.
             volume.min(other.volume) >= parameters.duplicate_overlap * volume.max(other.volume) && {
-                let common: f64 = vertices.iter().filter(|&&v| members.has(v)).map(|&v| volumes.of(v)).sum();
+                let common: f64 =
+                    vertices.iter().filter(|&&v| members.contains(v as usize)).map(|&v| volumes.of(v)).sum();
                 common >= parameters.duplicate_overlap * (volume + other.volume - common)
             }
         });
         if !duplicate {
-            kept.push((candidate, Members::new(n, vertices)));
+            kept.push((candidate, IndexSet::from_members(n, vertices.iter().copied())?));
         }
     }
     kept.sort_by_key(|(candidate, _)| (candidate.tree, candidate.region));
     kept.sort_by(|(a, _), (b, _)| b.volume.total_cmp(&a.volume));
     let pooled = kept.iter().enumerate().map(|(place, (candidate, _))| {
         let &Candidate { tree, region, vertices, volume, .. } = candidate;
-        let contains = |(larger, members): &(Candidate<'_>, Members)| {
-            larger.volume > volume && vertices.iter().all(|&v| members.has(v))
+        let contains = |(larger, members): &(Candidate<'_>, IndexSet)| {
+            larger.volume > volume && vertices.iter().all(|&v| members.contains(v as usize))
         };
         let parent = kept[..place].iter().rposition(contains);
         let mut vertices = vertices.to_vec();
@@ -117,27 +124,11 @@ pub fn pool<'v>(
     Ok(pooled.collect())
 }
 
-/// A region that may be kept: its tree, its place there, and what decides.
+/// A region that may be kept: where it comes from, and what the order of preference depends on.
 struct Candidate<'t> {
     tree: usize,
     region: usize,
     vertices: &'t [u32],
     volume: f64,
     growth: f64,
-}
-
-/// A set of vertices, one bit each.
-struct Members(Vec<u64>);
-
-impl Members {
-    fn new(n: usize, vertices: &[u32]) -> Self {
-        let mut words = vec![0; n.div_ceil(64)];
-        vertices.iter().for_each(|&v| words[v as usize / 64] |= 1 << (v % 64));
-        Self(words)
-    }
-
-    #[inline]
-    fn has(&self, v: u32) -> bool {
-        self.0[v as usize / 64] >> (v % 64) & 1 == 1
-    }
 }

@@ -1,8 +1,11 @@
+//! The component tree (Jones 1999; max-tree: Salembier et al. 1998), section 4.1 of the paper.
 use std::ops::Range;
 use std::sync::OnceLock;
 
-use crate::order::NONE;
 use crate::{Polarity, Volumes};
+
+/// No node: the parent of a root.
+pub(crate) const NONE: u32 = u32::MAX;
 
 /// The components of all level sets of a weighted graph, ordered by inclusion.
 ///

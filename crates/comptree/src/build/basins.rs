@@ -1,9 +1,11 @@
+//! Step 1 of the construction: the basins of steepest descent, as in ExTreeM (Lukasczyk et al. 2024) and
+//! watersheds.
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
-use super::relief::Relief;
+use super::filtration::Filtration;
 
 /// Marks a pointer that has become the number of a basin.
 const FOUND: u32 = 1 << 31;
@@ -20,12 +22,12 @@ pub(super) struct Basins {
 ///
 /// Threads share the pointers: whatever they read of each other, a pointer not yet followed or its
 /// end, leads to the same minimum.
-pub(super) fn find<R: Relief>(relief: &R, parts: usize) -> Basins {
-    let ranges = relief.split(parts);
-    let pointers: Vec<AtomicU32> = vec![0; relief.len()].into_iter().map(AtomicU32::new).collect();
+pub(super) fn find<R: Filtration>(filtration: &R, parts: usize) -> Basins {
+    let ranges = filtration.split(parts);
+    let pointers: Vec<AtomicU32> = vec![0; filtration.len()].into_iter().map(AtomicU32::new).collect();
     let point = |range: &Range<usize>| {
         let mut minima = Vec::new();
-        relief.descend(range.clone(), |v, target| {
+        filtration.descend(range.clone(), |v, target| {
             let known = target < v && target as usize >= range.start;
             // Pointers back were set before and go further down at once.
             let to = if known { pointers[target as usize].load(Relaxed) } else { target };

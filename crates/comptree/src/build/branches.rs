@@ -1,10 +1,12 @@
+//! Step 2 of the construction: branches of basins (branch decomposition, Pascucci et al. 2004) by Kruskal's
+//! algorithm.
 use std::ops::Range;
 
 use mser3d_shape::DisjointSets;
 use rayon::prelude::*;
 
 use super::saddles::Saddle;
-use crate::order::NONE;
+use crate::tree::NONE;
 
 /// The tree of basins, cut into branches: each basin's goes from its minimum up to where it joins a
 /// branch of at least as many basins.

@@ -11,29 +11,31 @@
 //!    with at least as many basins ([`branches`]). Nothing lies below more than a logarithmic number of
 //!    branches;
 //! 3. every vertex climbs from its basin's branch to the one that is there at the level at which it
-//!    enters; there vertices are sorted by level ([`sorted`]);
-//! 4. branches are cut where others join ([`segments`]), the segments are put in postorder ([`arrange`]),
-//!    and each level in them becomes a node ([`emit`]).
+//!    enters; there vertices are sorted by level ([`sorted_vertices`]);
+//! 4. branches are cut where others join ([`segments`]), each segment is given its place in postorder
+//!    ([`placement`]), and each level in it becomes a node ([`nodes`]).
+//!
+//! What all of this reads is a [`filtration`]: the levels at which vertices and edges enter.
 //!
 //! Why this is exact: a vertex is joined to its minimum by a path that never rises above the level at
 //! which it enters. So two vertices are connected at a level above both if and only if their minima are,
 //! and for these only edges between basins matter. Of equal values the order of step 1 only decides which
 //! minimum; branches of no length have no vertices and make no nodes.
-mod arrange;
 mod basins;
 mod branches;
-mod edge_relief;
-mod edges;
-mod emit;
-mod relief;
+mod edge_filtration;
+mod edge_weights;
+mod filtration;
+mod nodes;
+mod placement;
 mod saddles;
 mod segments;
-mod sorted;
-mod vertices;
+mod sorted_vertices;
+mod vertex_weights;
 
 use branches::Branches;
-use relief::Relief;
-use sorted::Sorted;
+use filtration::Filtration;
+use sorted_vertices::SortedVertices;
 
 use crate::{ComponentTree, Polarity, TreeError, Volumes};
 
@@ -49,21 +51,21 @@ pub(crate) fn check_limit(what: &'static str, count: u128) -> Result<(), TreeErr
     Ok(())
 }
 
-fn build<R: Relief>(
-    relief: &R,
+fn build<R: Filtration>(
+    filtration: &R,
     volumes: Volumes<'_>,
     polarity: Polarity,
 ) -> Result<ComponentTree, TreeError> {
-    check_limit("vertices", relief.len() as u128)?;
-    volumes.check(relief.len())?;
-    let parts = parts(relief.len());
-    let basins = basins::find(relief, parts);
-    let saddles = saddles::find(relief, &basins, parts);
-    let births = basins.minima.iter().map(|&v| relief.level(v)).collect();
+    check_limit("vertices", filtration.len() as u128)?;
+    volumes.check(filtration.len())?;
+    let parts = parts(filtration.len());
+    let basins = basins::find(filtration, parts);
+    let saddles = saddles::find(filtration, &basins, parts);
+    let births = basins.minima.iter().map(|&v| filtration.level(v)).collect();
     let branches = Branches::new(births, &saddles);
     drop(saddles);
-    let (sorted, labels) = Sorted::new(relief, basins.labels, &branches, parts);
-    let nodes = emit::nodes(relief, &branches, sorted, labels, polarity);
+    let (sorted, labels) = SortedVertices::new(filtration, basins.labels, &branches, parts);
+    let nodes = nodes::write(filtration, &branches, sorted, labels, polarity);
     Ok(ComponentTree::assemble(nodes, volumes, polarity))
 }
 

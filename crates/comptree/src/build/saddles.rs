@@ -1,11 +1,13 @@
+//! Step 2 of the construction: a minimum spanning forest of the basins by rounds of Borůvka (1926), tile by
+//! tile.
 use std::ops::Range;
 
 use mser3d_shape::DisjointSets;
 use rayon::prelude::*;
 
 use super::basins::Basins;
-use super::relief::Relief;
-use crate::order::NONE;
+use super::filtration::Filtration;
+use crate::tree::NONE;
 
 /// Vertices of a tile, or more.
 const TILE: usize = 1 << 17;
@@ -32,14 +34,14 @@ impl Saddle {
 ///
 /// What is not in the forest of some of the edges is not in that of all. So most edges are dropped tile by
 /// tile: there the basins are few enough to stay near in memory, and tiles go to different threads.
-pub(super) fn find<R: Relief>(relief: &R, basins: &Basins, parts: usize) -> Vec<Saddle> {
+pub(super) fn find<R: Filtration>(filtration: &R, basins: &Basins, parts: usize) -> Vec<Saddle> {
     let count = basins.minima.len();
-    let tiles = relief.split_edges(parts.max(relief.len() / TILE));
+    let tiles = filtration.split_edges(parts.max(filtration.len() / TILE));
     let mut saddles = if let [tile] = &tiles[..] {
-        forest(between(relief, &basins.labels, tile.clone()), count)
+        forest(between(filtration, &basins.labels, tile.clone()), count)
     } else {
         let thinned = |numbers: &mut Numbers, tile: &Range<usize>| {
-            let found = between(relief, &basins.labels, tile.clone());
+            let found = between(filtration, &basins.labels, tile.clone());
             numbers.forest(found)
         };
         let found: Vec<_> = tiles.par_iter().map_init(|| Numbers::new(count), thinned).collect();
@@ -62,9 +64,9 @@ fn sort(saddles: &mut [Saddle], parts: usize) {
 }
 
 /// The edges of a tile between basins, of most pairs of basins only the lowest.
-fn between<R: Relief>(relief: &R, labels: &[u32], tile: Range<usize>) -> Vec<Saddle> {
+fn between<R: Filtration>(filtration: &R, labels: &[u32], tile: Range<usize>) -> Vec<Saddle> {
     let mut recent = Recent::new();
-    relief.boundary(tile, labels, |v, w, level| {
+    filtration.boundary(tile, labels, |v, w, level| {
         let [a, b] = [labels[v as usize], labels[w as usize]];
         recent.add(Saddle { level, basins: [a.min(b), a.max(b)] });
     });

@@ -1,11 +1,12 @@
+//! Step 4 of the construction: branches cut where others join, the arcs of an augmented merge tree.
 use std::ops::Range;
 
 use rayon::prelude::*;
 
 use super::branches::{Branches, Join, Joined};
-use super::relief::Relief;
-use super::sorted::Sorted;
-use crate::order::NONE;
+use super::filtration::Filtration;
+use super::sorted_vertices::SortedVertices;
+use crate::tree::NONE;
 
 /// A number of vertices and of nodes, or a place in their order.
 #[derive(Clone, Copy, Default)]
@@ -63,14 +64,19 @@ pub(super) struct Segments {
 }
 
 impl Segments {
-    pub fn new<R: Relief>(relief: &R, branches: &Branches, joined: &Joined, sorted: &Sorted) -> Self {
+    pub fn new<R: Filtration>(
+        filtration: &R,
+        branches: &Branches,
+        joined: &Joined,
+        sorted: &SortedVertices,
+    ) -> Self {
         let level = |slot: usize| joined.joins[slot].level;
-        let split = |join: &Join| sorted.split(relief, join.into, join.level);
+        let split = |join: &Join| sorted.split(filtration, join.into, join.level);
         let splits: Vec<u32> = joined.joins.par_iter().with_min_len(256).map(split).collect();
         let measured = |branch: usize, start: u32, next: usize| {
             let last = next == joined.starts[branch + 1] as usize;
             let end = if last { sorted.starts[branch + 1] } else { splits[next] };
-            measure(relief, sorted, start..end)
+            measure(filtration, sorted, start..end)
         };
         let first = |branch: usize| {
             let start = sorted.starts[branch];
@@ -81,7 +87,7 @@ impl Segments {
             let mut segment = measured(branch, splits[slot], slot + 1);
             let together = slot + 1 < joined.starts[branch + 1] as usize && level(slot + 1) == level(slot);
             let enters = sorted.entries().get(segment.start as usize).filter(|_| segment.size.vertices > 0);
-            segment.bare = !together && enters.is_none_or(|e| relief.level(e[0]) != level(slot));
+            segment.bare = !together && enters.is_none_or(|e| filtration.level(e[0]) != level(slot));
             segment.size.nodes += u32::from(segment.bare);
             segment
         };
@@ -94,12 +100,12 @@ impl Segments {
 }
 
 /// Finds the smallest vertex of a stretch of one branch and counts its levels.
-fn measure<R: Relief>(relief: &R, sorted: &Sorted, stretch: Range<u32>) -> Segment {
+fn measure<R: Filtration>(filtration: &R, sorted: &SortedVertices, stretch: Range<u32>) -> Segment {
     let range = stretch.start as usize..stretch.end as usize;
     let block = |block: Range<usize>| {
         let least = sorted.entries()[block.clone()].iter().map(|entry| entry[0]).min();
         let first = u32::from(block.start == range.start && !block.is_empty());
-        let rises = sorted.rises(relief, block.start.max(range.start + 1)..block.end);
+        let rises = sorted.rises(filtration, block.start.max(range.start + 1)..block.end);
         (least.unwrap_or(NONE), first + rises)
     };
     let (least, nodes) = in_blocks(range.clone()).map_or_else(

@@ -1,3 +1,4 @@
+//! Chains of nodes between real merges: branch decomposition (Pascucci et al. 2004) with a minimum volume.
 use super::{Levels, Merge};
 use crate::ComponentTree;
 

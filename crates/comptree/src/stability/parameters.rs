@@ -1,59 +1,73 @@
+//! What makes a component a stable region: the rules of eq. 5 and section 4.2, as named parameters.
+use mser3d_shape::InvalidParameter;
+
 use crate::TreeError;
 
-/// How the stability of a component is measured.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Mode {
-    /// Change of volume over a window of altitude, within branches that end at real merges.
-    ///
-    /// A tree's chains are cut wherever a child of at least the minimum volume joins; between two cuts
-    /// a region only grows at its border. On such a branch, from its first node to the altitude of the
-    /// merge that ends it, the instability of a node of altitude l is
-    ///
-    /// `(vol(min(l + window, end)) - vol(max(l - window, start))) / vol(l) / clipped width`,
-    ///
-    /// and a node is maximally stable if none within the window, and no neighbour on the branch, is more
-    /// stable. The ends of the branch count; neighbours that tie are one maximum, and the largest stands
-    /// for it.
-    ///
-    /// The last node of a branch that a real merge ends is always a candidate: it is where a limb meets
-    /// the body, and how much it grew just before depends on how blunt the limb is, not on whether it is
-    /// one. Without it, limbs of some poses are lost to a maximum next to it.
-    Windowed {
-        /// Half the width of the window, in units of the altitude on its scale (for
-        /// [`AltitudeScale::Log`] a factor of e^window). Default 0.2; 0.05 finds more and finer regions.
-        window: f64,
-    },
-    /// As published (eq. 5): the change of volume from a node to its parent, and maxima among
-    /// neighbouring nodes. Kept to check the paper; a quarter of all nodes are such maxima on real shapes.
-    Paper,
-    /// No stability at all: keep a node whose parent is larger by the minimum diversity or more. What
-    /// any measure of stability has to beat.
-    Baseline,
+mser3d_shape::choice! {
+    /// How the stability of a component is measured, and which components are candidates.
+    pub enum StabilityRule("stability rule") {
+        /// Change of volume over a window of altitude, within branches that end at real merges
+        ///
+        /// A chain of nodes is cut wherever a child of at least the minimum volume joins it; between two cuts
+        /// a region only grows at its border. On such a branch, from its first node to the altitude of the
+        /// merge that ends it, the stability of a node of altitude l is
+        ///
+        /// `s(l) = vol(l) (above - below) / (vol(above) - vol(below))`,
+        ///
+        /// with `above = min(l + window, end of the branch)`, `below = max(l - window, its start)`, and
+        /// vol(x) the volume of the component at level x. A node is maximally stable if none within the
+        /// window, and no neighbour on the branch, is more stable. The ends of the branch count. Neighbours
+        /// that tie are one maximum, represented by the largest.
+        ///
+        /// The last node of a branch that a real merge ends is always a candidate: it is where a limb meets
+        /// the body, and how much it grew just before depends on how blunt the limb is, not on whether it is
+        /// one. Without it, limbs of some poses are lost to a maximum next to it.
+        #[default]
+        Windowed = "windowed",
+        /// The published rule (eq. 5): change of volume from a node to its parent
+        ///
+        /// `s = vol (l' - l) / (vol' - vol)` with the parent's l' and vol'; candidates are the maxima among
+        /// neighbouring nodes. Kept to check the paper: a quarter of all nodes are such maxima on real
+        /// shapes.
+        Paper = "paper",
+        /// No stability: every node whose parent is clearly larger
+        ///
+        /// Larger by the minimum diversity or more. What any measure of stability has to beat.
+        Baseline = "baseline",
+    }
 }
 
-/// On which scale altitude is measured. The components do not depend on it, their stability does.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum AltitudeScale {
-    /// ln(weight): stability does not depend on the unit of the weight, hence not on a shape's size.
-    /// Weights below 1e-300, negative ones included, count as 1e-300.
-    #[default]
-    Log,
-    /// The weight itself, as for grey values.
-    Linear,
+mser3d_shape::choice! {
+    /// On which scale altitude is measured. The components do not depend on it, their stability does.
+    pub enum AltitudeScale("altitude scale") {
+        /// ln(weight): stability does not depend on the unit of the weight
+        ///
+        /// Hence not on a shape's size either. Weights below 1e-300, negative ones included, count as 1e-300.
+        #[default]
+        Log = "log",
+        /// The weight itself, as for grey values
+        Linear = "linear",
+    }
 }
 
 /// What makes a component a stable region.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StabilityParameters {
-    /// How stability is measured. Default: windowed, 0.2.
-    pub mode: Mode,
+    /// How stability is measured. Default: windowed.
+    pub rule: StabilityRule,
+    /// Half the width of the window of [`StabilityRule::Windowed`], in units of the altitude on its scale
+    /// (for [`AltitudeScale::Log`] a factor of e^window). The other rules have no window. Default 0.2;
+    /// 0.05 finds more and finer regions.
+    pub window: f64,
     /// On which scale altitude is measured. Default: logarithmic.
-    pub scale: AltitudeScale,
+    pub altitude: AltitudeScale,
     /// Smallest volume of a region as a fraction of the total, 0 to 1. Default 0.01.
     pub min_volume_fraction: f64,
-    /// Largest volume of a region as a fraction of the total, 0 or more. Default 0.75.
+    /// Largest volume of a region as a fraction of the total, not below the smallest. Default 0.75.
     pub max_volume_fraction: f64,
-    /// A region goes if its nearest surviving ancestor is less than 1/(1 - this) times as large;
+    /// A region is dropped if the nearest kept region around it is less than 1/(1 - this) times as large;
     /// 0 to 1. Default 0.2.
     pub min_diversity: f64,
     /// Least stability, in units of the altitude on its scale. Default: none.
@@ -65,8 +79,9 @@ pub struct StabilityParameters {
 impl Default for StabilityParameters {
     fn default() -> Self {
         Self {
-            mode: Mode::Windowed { window: 0.2 },
-            scale: AltitudeScale::Log,
+            rule: StabilityRule::Windowed,
+            window: 0.2,
+            altitude: AltitudeScale::Log,
             min_volume_fraction: 0.01,
             max_volume_fraction: 0.75,
             min_diversity: 0.2,
@@ -80,34 +95,24 @@ impl StabilityParameters {
     /// Checks every range.
     ///
     /// # Errors
-    /// [`TreeError::BadParameter`] for the first value out of its range.
+    /// [`TreeError::InvalidParameter`] for the first value out of its range.
     pub fn validate(&self) -> Result<(), TreeError> {
-        let window = match self.mode {
-            Mode::Windowed { window } => window,
-            Mode::Paper | Mode::Baseline => 1.0,
-        };
         let fraction = |x: f64| (0.0..=1.0).contains(&x);
-        let checks = [
-            (window.is_finite() && window > 0.0, "window", window, "positive and finite"),
-            (
-                fraction(self.min_volume_fraction),
-                "min_volume_fraction",
-                self.min_volume_fraction,
-                "between 0 and 1",
-            ),
-            (self.max_volume_fraction >= 0.0, "max_volume_fraction", self.max_volume_fraction, "0 or more"),
-            (fraction(self.min_diversity), "min_diversity", self.min_diversity, "between 0 and 1"),
-            (!self.min_stability.is_some_and(f64::is_nan), "min_stability", f64::NAN, "a number"),
-            (
-                self.total_volume.is_none_or(|v| v.is_finite() && v > 0.0),
-                "total_volume",
-                self.total_volume.unwrap_or(0.0),
-                "positive and finite",
-            ),
-        ];
-        match checks.into_iter().find(|check| !check.0) {
-            Some((_, name, value, requirement)) => Err(TreeError::BadParameter { name, value, requirement }),
-            None => Ok(()),
+        let positive = |x: f64| x.is_finite() && x > 0.0;
+        let (smallest, largest) = (self.min_volume_fraction, self.max_volume_fraction);
+        let unless = InvalidParameter::unless;
+        if self.rule == StabilityRule::Windowed {
+            unless(positive(self.window), "window", self.window, "positive and finite")?;
         }
+        unless(fraction(smallest), "min_volume_fraction", smallest, "between 0 and 1")?;
+        unless(largest >= 0.0, "max_volume_fraction", largest, "0 or more")?;
+        let expected = format!("at most max_volume_fraction ({largest}), or no region has such a size");
+        unless(smallest <= largest, "min_volume_fraction", smallest, &expected)?;
+        unless(fraction(self.min_diversity), "min_diversity", self.min_diversity, "between 0 and 1")?;
+        let is_nan = self.min_stability.is_some_and(f64::is_nan);
+        unless(!is_nan, "min_stability", f64::NAN, "a number")?;
+        let total = self.total_volume;
+        unless(total.is_none_or(positive), "total_volume", total.unwrap_or(0.0), "positive and finite")?;
+        Ok(())
     }
 }

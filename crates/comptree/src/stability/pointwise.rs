@@ -1,10 +1,11 @@
+//! Eq. 5 as published, node by node; and the baseline without any stability.
 use super::{Candidate, Levels};
 use crate::ComponentTree;
 
 /// The nodes whose stability (eq. 5, the derivative as the difference to the parent) is not exceeded
 /// by that of the parent or of a child. Roots grow no more and are not measured.
 ///
-/// Of neighbours that tie, all maxima, the largest stands.
+/// Neighbours that tie are one maximum, represented by the largest.
 pub(super) fn maxima(levels: &Levels<'_>) -> Vec<Candidate> {
     let tree = levels.tree;
     // Roots are not measured; nothing may lose against them.

@@ -1,3 +1,5 @@
+//! Eq. 5 with the derivative over a window of altitude: not in the paper, after the delta of MSER (Matas et
+//! al. 2002).
 use std::collections::VecDeque;
 
 use super::branches::{self, Branch};

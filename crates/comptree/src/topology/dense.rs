@@ -1,71 +1,36 @@
+//! All pixels of an image or voxels of a volume, with neighbours by offsets: no graph is made.
 use std::ops::Range;
 
-use mser3d_shape::Bits;
+use mser3d_shape::{Bits, Connectivity};
 
 use super::{Topology, lower, split_evenly};
 use crate::{GreyValue, TreeError};
 
-/// Which pixels or voxels are neighbours.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Stencil {
-    /// In the plane, pixels that share a side.
-    Four,
-    /// In the plane, pixels that share a side or a corner.
-    Eight,
-    /// Voxels that share a face.
-    #[default]
-    Six,
-    /// Voxels that share a face or an edge.
-    Eighteen,
-    /// Voxels that share a face, an edge or a corner.
-    TwentySix,
-}
-
-impl Stencil {
-    /// How many neighbours a vertex inside has.
-    pub fn size(self) -> usize {
-        match self {
-            Self::Four => 4,
-            Self::Eight => 8,
-            Self::Six => 6,
-            Self::Eighteen => 18,
-            Self::TwentySix => 26,
-        }
-    }
-
-    /// Whether a step to a neighbouring position, not zero, leads to a neighbour.
-    pub(crate) fn allows(self, [x, y, z]: [i32; 3]) -> bool {
-        let distance = x.abs() + y.abs() + z.abs();
-        match self {
-            Self::Four => z == 0 && distance == 1,
-            Self::Eight => z == 0,
-            Self::Six => distance == 1,
-            Self::Eighteen => distance <= 2,
-            Self::TwentySix => true,
-        }
-    }
-
-    /// All steps to neighbours, by ascending vertex number.
-    pub(crate) fn steps(self) -> impl Iterator<Item = [i32; 3]> {
-        let steps = |z| (-1..=1).flat_map(move |y| (-1..=1).map(move |x| [x, y, z]));
-        (-1..=1).flat_map(steps).filter(move |&s| s != [0; 3] && self.allows(s))
-    }
+/// All steps to neighbours, by ascending vertex number.
+fn steps(connectivity: Connectivity) -> impl Iterator<Item = [i32; 3]> {
+    let allowed = move |[x, y, z]: [i32; 3]| match (connectivity, x.abs() + y.abs() + z.abs()) {
+        (_, distance @ 0..=1) => distance == 1,
+        (Connectivity::Six, _) => false,
+        (Connectivity::TwentySix, _) => true,
+    };
+    let slice = |z| (-1..=1).flat_map(move |y| (-1..=1).map(move |x| [x, y, z]));
+    (-1..=1).flat_map(slice).filter(move |&step| allowed(step))
 }
 
 /// All voxels of a box, x fastest.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DenseGrid {
     dims: [usize; 3],
-    stencil: Stencil,
+    connectivity: Connectivity,
 }
 
 impl DenseGrid {
     /// # Errors
     /// [`TreeError::TooMany`] beyond 2^31 - 1 voxels.
-    pub fn new(dims: [usize; 3], stencil: Stencil) -> Result<Self, TreeError> {
+    pub fn new(dims: [usize; 3], connectivity: Connectivity) -> Result<Self, TreeError> {
         let count = dims.iter().fold(1u128, |a, &d| a.saturating_mul(d as u128));
         crate::build::check_limit("voxels in the grid", count)?;
-        Ok(Self { dims, stencil })
+        Ok(Self { dims, connectivity })
     }
 
     /// The steps possible from a row, as offsets of vertex numbers and as steps along x.
@@ -76,7 +41,7 @@ impl DenseGrid {
         let inside = |s: &[i32; 3]| fits(j, s[1], ny) && fits(k, s[2], nz);
         let offset =
             |s: [i32; 3]| ((s[2] as isize * ny as isize + s[1] as isize) * nx as isize + s[0] as isize, s[0]);
-        self.stencil.steps().filter(inside).map(offset).collect()
+        steps(self.connectivity).filter(inside).map(offset).collect()
     }
 
     /// Calls `f` with each row of the range and its steps, which are the same along a row.
@@ -192,7 +157,6 @@ impl Topology for DenseGrid {
                     26 => least_inside::<V, DOWN, 26>(values, inner, std::array::from_fn(at), back, &mut f),
                     4 => least_inside::<V, DOWN, 4>(values, inner, std::array::from_fn(at), back, &mut f),
                     8 => least_inside::<V, DOWN, 8>(values, inner, std::array::from_fn(at), back, &mut f),
-                    18 => least_inside::<V, DOWN, 18>(values, inner, std::array::from_fn(at), back, &mut f),
                     _ => {
                         for v in inner {
                             let all = steps.iter().map(|s| s.0);

@@ -1,3 +1,4 @@
+//! Explicit graphs.
 use std::ops::Range;
 
 use mser3d_shape::Graph;

@@ -6,7 +6,6 @@ mod voxels;
 use std::ops::Range;
 
 pub(crate) use dense::DenseGrid;
-pub use dense::Stencil;
 pub(crate) use voxels::LinkedVoxels;
 
 use crate::GreyValue;

@@ -1,3 +1,4 @@
+//! Voxels and the links that the surface cuts (section 3.2 of the paper), a word of 64 voxels at a time.
 use std::ops::Range;
 
 use mser3d_shape::{BitGrid, Bits, Connectivity, DIAGONALS, VoxelGrid};

@@ -1,7 +1,5 @@
 //! What a tree tells about its nodes, and what can be made of it.
-mod common;
-
-use common::check_structure;
+use super::common::check_structure;
 use mser3d_comptree::{CommonAncestors, ComponentTree, Polarity};
 use proptest::prelude::*;
 

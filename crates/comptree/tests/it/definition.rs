@@ -1,7 +1,5 @@
 //! Trees against their definition: the components of threshold graphs.
-mod common;
-
-use common::{check_structure, components_by_threshold, components_of};
+use super::common::{check_structure, components_by_threshold, components_of};
 use mser3d_comptree::{ComponentTree, Polarity, TreeError};
 use proptest::prelude::*;
 

@@ -1,10 +1,10 @@
-//! Trees of weights on vertices: min-trees and max-trees.
+//! Trees of weights on vertices: min-trees and max-trees (Salembier et al. 1998).
 use mser3d_shape::{BitGrid, Connectivity, Frame, Graph, VoxelGrid};
 
-use super::relief::VertexRelief;
+use super::filtration::VertexFiltration;
 use super::{build, check_edges, check_limit};
 use crate::topology::{DenseGrid, LinkedVoxels, Topology};
-use crate::{ComponentTree, GreyValue, Polarity, Stencil, TreeError, Volumes};
+use crate::{ComponentTree, GreyValue, Polarity, TreeError, Volumes};
 
 impl ComponentTree {
     /// The tree of a graph with a weight on each vertex (min-tree; for superlevel sets max-tree): its
@@ -44,17 +44,20 @@ impl ComponentTree {
     /// The tree of an image (`dims = [width, height, 1]`) or a volume with a value for each of its
     /// voxels, x fastest. No graph is made.
     ///
+    /// In a grid of one slice `Six` means the 4 neighbours of a pixel, and `TwentySix` its 8.
+    ///
     /// Vertices are counted into bins by level, so that grey values of few bits cost no sorting.
     ///
     /// Cost: about 50 ns a voxel on one core, 20 bytes a voxel at the peak beyond the values.
     ///
     /// ```
-    /// use mser3d_comptree::{ComponentTree, Polarity, Stencil};
+    /// use mser3d_comptree::shape::Connectivity::{Six, TwentySix};
+    /// use mser3d_comptree::{ComponentTree, Polarity};
     ///
     /// let image: [u8; 6] = [7, 0, 7,
     ///                       0, 7, 7];
-    /// let four = ComponentTree::from_grid([3, 2, 1], Stencil::Four, &image, 1.0, Polarity::Sublevel)?;
-    /// let eight = ComponentTree::from_grid([3, 2, 1], Stencil::Eight, &image, 1.0, Polarity::Sublevel)?;
+    /// let four = ComponentTree::from_grid([3, 2, 1], Six, &image, 1.0, Polarity::Sublevel)?;
+    /// let eight = ComponentTree::from_grid([3, 2, 1], TwentySix, &image, 1.0, Polarity::Sublevel)?;
     /// assert_eq!((four.len(), eight.len()), (3, 2)); // the zeros touch at their corners
     /// # Ok::<(), mser3d_comptree::TreeError>(())
     /// ```
@@ -63,12 +66,12 @@ impl ComponentTree {
     /// NaN values, sizes that differ, bad volumes, 2^31 voxels.
     pub fn from_grid<'v, V: GreyValue>(
         dims: [usize; 3],
-        stencil: Stencil,
+        connectivity: Connectivity,
         values: &[V],
         volumes: impl Into<Volumes<'v>>,
         polarity: Polarity,
     ) -> Result<Self, TreeError> {
-        vertex_tree(&DenseGrid::new(dims, stencil)?, values, volumes.into(), polarity)
+        vertex_tree(&DenseGrid::new(dims, connectivity)?, values, volumes.into(), polarity)
     }
 
     /// The tree of a solid with a value for each occupied voxel, in the order of their numbers.
@@ -111,5 +114,5 @@ fn vertex_tree<T: Topology, V: GreyValue>(
     volumes: Volumes<'_>,
     polarity: Polarity,
 ) -> Result<ComponentTree, TreeError> {
-    build(&VertexRelief::new(topology, values, polarity)?, volumes, polarity)
+    build(&VertexFiltration::new(topology, values, polarity)?, volumes, polarity)
 }

@@ -1,7 +1,7 @@
 //! Facts about stable regions.
 use mser3d_comptree::{
-    AltitudeScale, ComponentTree, Merge, Mode, Polarity, PoolParameters, Selection, StabilityParameters,
-    TreeError, pool, stability, stable_regions,
+    AltitudeScale, ComponentTree, Merge, Polarity, PoolParameters, Selection, StabilityParameters,
+    StabilityRule, TreeError, pool, stability, stable_regions,
 };
 use proptest::prelude::*;
 
@@ -14,15 +14,20 @@ fn tree(heights: &[f64]) -> ComponentTree {
 }
 
 /// Linear altitude, no filters: what the measure alone proposes.
-fn open(mode: Mode) -> StabilityParameters {
+fn open(rule: StabilityRule) -> StabilityParameters {
     StabilityParameters {
-        mode,
-        scale: AltitudeScale::Linear,
+        rule,
+        altitude: AltitudeScale::Linear,
         min_volume_fraction: 0.0,
         max_volume_fraction: 1.0,
         min_diversity: 0.0,
         ..Default::default()
     }
+}
+
+/// The same with a window.
+fn with_window(window: f64) -> StabilityParameters {
+    StabilityParameters { window, ..open(StabilityRule::Windowed) }
 }
 
 fn sets(tree: &ComponentTree, selection: &Selection) -> Vec<Vec<u32>> {
@@ -48,12 +53,8 @@ fn two_valleys() -> Vec<f64> {
 #[test]
 fn the_floors_of_two_valleys_are_stable() {
     let tree = tree(&two_valleys());
-    let parameters = StabilityParameters {
-        mode: Mode::Windowed { window: 2.0 },
-        min_volume_fraction: 0.2,
-        max_volume_fraction: 0.5,
-        ..open(Mode::Paper)
-    };
+    let parameters =
+        StabilityParameters { min_volume_fraction: 0.2, max_volume_fraction: 0.5, ..with_window(2.0) };
     let selection = stable_regions(&tree, &parameters).unwrap();
     let floors: Vec<Vec<u32>> = vec![(2..12).collect(), (16..26).collect()];
     let mut found = sets(&tree, &selection);
@@ -70,11 +71,8 @@ fn the_component_just_before_a_real_merge_is_a_candidate() {
     let leg: Vec<f64> = (0..40).map(|i| 1.0 + f64::from(i) * 0.1).collect();
     let heights: Vec<f64> = leg.iter().copied().chain([5.0]).chain(leg.iter().rev().copied()).collect();
     let tree = tree(&heights);
-    let parameters = StabilityParameters {
-        min_volume_fraction: 0.1,
-        max_volume_fraction: 0.6,
-        ..open(Mode::Windowed { window: 0.5 })
-    };
+    let parameters =
+        StabilityParameters { min_volume_fraction: 0.1, max_volume_fraction: 0.6, ..with_window(0.5) };
     let selection = stable_regions(&tree, &parameters).unwrap();
     let legs: Vec<Vec<u32>> = vec![(0..40).collect(), (41..81).collect()];
     let found = sets(&tree, &selection);
@@ -88,7 +86,7 @@ fn the_component_before_a_merge_counts_though_one_beside_it_is_more_stable() {
     let leg: Vec<f64> = (0..30).map(|i| 1.0 + f64::from(i) * 0.1).chain([4.0; 10]).collect();
     let heights: Vec<f64> = leg.iter().copied().chain([4.1]).chain(leg.iter().rev().copied()).collect();
     let tree = tree(&heights);
-    let parameters = StabilityParameters { min_volume_fraction: 0.1, ..open(Mode::Windowed { window: 0.5 }) };
+    let parameters = StabilityParameters { min_volume_fraction: 0.1, ..with_window(0.5) };
     let Selection { regions, .. } = stable_regions(&tree, &parameters).unwrap();
     let whole_legs: Vec<_> = regions.iter().filter(|r| r.volume == 40.0).collect();
     assert_eq!(whole_legs.len(), 2);
@@ -97,9 +95,8 @@ fn the_component_before_a_merge_counts_though_one_beside_it_is_more_stable() {
     // Both legs begin at 1 and meet at 4.1; of equal ones the first goes on to the root at 4.1.
     assert!(whole_legs.iter().all(|leg| (leg.persistence - 3.1).abs() < 1e-12));
     // Each is followed down to half of the minimum volume of 8.1, five vertices at 1.4; the root has 81.
-    let merge = Merge { growth: 81.0 / 40.0, lifetime: 4.1 - 1.4 };
-    for Merge { growth, lifetime } in whole_legs.iter().filter_map(|leg| leg.merge) {
-        assert!((growth - merge.growth).abs() < 1e-12 && (lifetime - merge.lifetime).abs() < 1e-12);
+    for Merge { growth, lifetime, .. } in whole_legs.iter().filter_map(|leg| leg.merge) {
+        assert!((growth - 81.0 / 40.0).abs() < 1e-12 && (lifetime - (4.1 - 1.4)).abs() < 1e-12);
     }
     assert!(regions.iter().all(|r| r.merge.is_some() == (r.volume == 40.0)), "{regions:?}");
 }
@@ -107,7 +104,7 @@ fn the_component_before_a_merge_counts_though_one_beside_it_is_more_stable() {
 #[test]
 fn persistence_is_measured_on_the_scale_of_stability() {
     let tree = tree(&[1.0, 8.0, 2.0]);
-    let parameters = StabilityParameters { scale: AltitudeScale::Log, ..open(Mode::Baseline) };
+    let parameters = StabilityParameters { altitude: AltitudeScale::Log, ..open(StabilityRule::Baseline) };
     let regions = stable_regions(&tree, &parameters).unwrap().regions;
     let persistence: Vec<f64> = regions.iter().map(|r| r.persistence).collect();
     // The root and the deeper valley: ln 8; the other one: ln 8 - ln 2.
@@ -122,8 +119,7 @@ fn a_speck_that_joins_does_not_end_a_branch_but_a_real_part_does() {
         heights.push(10.0);
         heights.extend(vec![2.0; second]);
         let tree = tree(&heights);
-        let parameters =
-            StabilityParameters { min_volume_fraction: 0.2, ..open(Mode::Windowed { window: 20.0 }) };
+        let parameters = StabilityParameters { min_volume_fraction: 0.2, ..with_window(20.0) };
         let selection = stable_regions(&tree, &parameters).unwrap();
         sets(&tree, &selection).contains(&(0..20).collect())
     };
@@ -138,14 +134,14 @@ fn of_a_plateau_the_largest_node_stands() {
     let heights: Vec<f64> = (0..64u32).map(|i| f64::from(u32::BITS - i.leading_zeros())).collect();
     let tree = tree(&heights);
     // vol / (vol' - vol) is 1 for all but the root.
-    let paper = stable_regions(&tree, &open(Mode::Paper)).unwrap();
+    let paper = stable_regions(&tree, &open(StabilityRule::Paper)).unwrap();
     assert_eq!(paper.regions.iter().map(|r| (r.volume, r.stability)).collect::<Vec<_>>(), [(32.0, 1.0)]);
     // A window that reaches one node to either side sees a change of 3/2 of the volume (1/2 of it from
     // below, 1 from above) over 2; where the branch starts and ends only one side: both ends count.
-    let windowed = stable_regions(&tree, &open(Mode::Windowed { window: 1.0 })).unwrap();
+    let windowed = stable_regions(&tree, &with_window(1.0)).unwrap();
     assert_eq!(windowed.regions.iter().map(|r| (r.volume, r.stability)).collect::<Vec<_>>(), [(64.0, 2.0)]);
     // In a window too narrow to reach a neighbour above, the first node does not change at all.
-    let narrow = stable_regions(&tree, &open(Mode::Windowed { window: 0.5 })).unwrap();
+    let narrow = stable_regions(&tree, &with_window(0.5)).unwrap();
     assert_eq!(
         narrow.regions.iter().map(|r| (r.volume, r.stability)).collect::<Vec<_>>(),
         [(1.0, f64::INFINITY)]
@@ -157,8 +153,8 @@ fn regions_have_the_stability_of_their_nodes() {
     let heights: Vec<f64> =
         (0..200).map(|i| 2.0 + (f64::from(i) * 0.7).sin() + 0.01 * f64::from(i)).collect();
     let tree = tree(&heights);
-    for mode in [Mode::Windowed { window: 0.1 }, Mode::Paper] {
-        let parameters = StabilityParameters { mode, ..Default::default() };
+    for rule in [StabilityRule::Windowed, StabilityRule::Paper] {
+        let parameters = StabilityParameters { rule, window: 0.1, ..Default::default() };
         let of_nodes = stability(&tree, &parameters).unwrap();
         assert_eq!(of_nodes.len(), tree.len());
         let selection = stable_regions(&tree, &parameters).unwrap();
@@ -166,7 +162,7 @@ fn regions_have_the_stability_of_their_nodes() {
         assert!(selection.regions.iter().all(|r| r.stability == of_nodes[r.node as usize]));
         // Eq. 5 has no parent to compare a root with.
         let root = tree.roots().next().unwrap();
-        assert_eq!(of_nodes[root as usize].is_nan(), mode == Mode::Paper);
+        assert_eq!(of_nodes[root as usize].is_nan(), rule == StabilityRule::Paper);
     }
 }
 
@@ -175,21 +171,22 @@ fn filters_are_honoured_and_counted() {
     let heights: Vec<f64> =
         (0..200).map(|i| 2.0 + (f64::from(i) * 0.7).sin() + 0.01 * f64::from(i)).collect();
     let tree = tree(&heights);
-    for mode in [Mode::Windowed { window: 0.1 }, Mode::Paper, Mode::Baseline] {
+    for rule in [StabilityRule::Windowed, StabilityRule::Paper, StabilityRule::Baseline] {
         let parameters = StabilityParameters {
-            mode,
+            rule,
+            window: 0.1,
             min_volume_fraction: 0.02,
             max_volume_fraction: 0.5,
             min_diversity: 0.3,
             min_stability: Some(0.5),
             ..Default::default()
         };
-        let Selection { regions, report } = stable_regions(&tree, &parameters).unwrap();
+        let Selection { regions, report, .. } = stable_regions(&tree, &parameters).unwrap();
         assert_eq!(report.nodes, tree.len());
         let removed = report.too_small + report.too_large + report.unstable + report.overlapping;
         assert_eq!(report.candidates, removed + report.kept);
         assert_eq!(report.kept, regions.len());
-        assert!(!regions.is_empty(), "{mode:?}");
+        assert!(!regions.is_empty(), "{rule:?}");
         for region in &regions {
             assert!((4.0..=100.0).contains(&region.volume));
             assert!(region.stability.is_nan() || region.stability >= 0.5);
@@ -212,12 +209,12 @@ fn parameters_out_of_range_are_named() {
     let check = |parameters: StabilityParameters, text: &str| {
         let error = stable_regions(&tree, &parameters).unwrap_err();
         assert!(
-            matches!(error, TreeError::BadParameter { .. }) && error.to_string().contains(text),
+            matches!(error, TreeError::InvalidParameter(_)) && error.to_string().contains(text),
             "{error}"
         );
     };
     let default = StabilityParameters::default();
-    check(StabilityParameters { mode: Mode::Windowed { window: 0.0 }, ..default }, "window is 0");
+    check(StabilityParameters { window: 0.0, ..default }, "window is 0");
     check(StabilityParameters { min_volume_fraction: -0.1, ..default }, "min_volume_fraction is -0.1");
     check(StabilityParameters { max_volume_fraction: f64::NAN, ..default }, "max_volume_fraction is NaN");
     check(StabilityParameters { min_diversity: 1.5, ..default }, "between 0 and 1");
@@ -312,7 +309,7 @@ fn of_near_duplicates_the_part_before_the_sharpest_merge_stands() {
         heights
     };
     let trees = [tree(&leg(22)), tree(&leg(20)), tree(&leg(21))];
-    let parameters = open(Mode::Windowed { window: 1.0 });
+    let parameters = with_window(1.0);
     let mut selections = trees.each_ref().map(|tree| {
         stable_regions(tree, &StabilityParameters { max_volume_fraction: 0.5, ..parameters }).unwrap()
     });
@@ -331,8 +328,8 @@ proptest! {
     #[test]
     fn regions_are_nested_or_disjoint_and_diverse(weights in prop::collection::vec(0.5f64..9.0, 30..120)) {
         let tree = tree(&weights);
-        for mode in [Mode::Windowed { window: 0.3 }, Mode::Paper, Mode::Baseline] {
-            let parameters = StabilityParameters { mode, ..Default::default() };
+        for rule in [StabilityRule::Windowed, StabilityRule::Paper, StabilityRule::Baseline] {
+            let parameters = StabilityParameters { rule, window: 0.3, ..Default::default() };
             let selection = stable_regions(&tree, &parameters).unwrap();
             for (i, a) in selection.regions.iter().enumerate() {
                 for b in &selection.regions[i + 1..] {

@@ -1,11 +1,13 @@
+//! Step 4 of the construction: where each segment comes in the canonical numbering, so that threads can write
+//! nodes in any order. Not in a paper: it replaces a walk through the finished tree.
 use rayon::prelude::*;
 
 use super::branches::{Branches, Joined};
 use super::segments::{Extent, Segments};
-use crate::order::NONE;
+use crate::tree::NONE;
 
 /// Where everything comes in the tree: children before parents, siblings by their smallest vertex.
-pub(super) struct Arrangement {
+pub(super) struct Placement {
     /// The place of the first segment of each branch.
     pub first: Vec<Extent>,
     /// Of the segments that follow, the place seen from the branch's first.
@@ -35,8 +37,8 @@ struct Along {
     segments: Vec<Extent>,
 }
 
-/// Arranges the segments.
-pub(super) fn arrange(branches: &Branches, joined: &Joined, segments: &Segments) -> Arrangement {
+/// Finds the place of each segment.
+pub(super) fn place(branches: &Branches, joined: &Joined, segments: &Segments) -> Placement {
     let blocks = blocks(branches, joined, segments);
     let along = along(branches, joined, segments, &blocks);
     let mut first: Vec<Extent> = along.fronts.iter().map(|&front| Extent::default().minus(front)).collect();
@@ -57,7 +59,7 @@ pub(super) fn arrange(branches: &Branches, joined: &Joined, segments: &Segments)
             above[child] = base.plus(along.segments[slot]).nodes;
         }
     }
-    Arrangement { first, later: along.segments, above, total }
+    Placement { first, later: along.segments, above, total }
 }
 
 /// The subtree of each branch.

@@ -1,31 +1,5 @@
-//! Which way the level moves, and how much each vertex weighs.
+//! The measure `vol` of eq. 5: how much each vertex adds to the volume of a region.
 use crate::TreeError;
-
-/// No node: the parent of a root.
-pub(crate) const NONE: u32 = u32::MAX;
-
-/// Which way the level moves.
-///
-/// Both are the same tree with the order of weights reversed, like MSER+ and MSER- in images.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Polarity {
-    /// The level rises: components of `{ w <= level }`; leaves are minima, roots the highest.
-    #[default]
-    Sublevel,
-    /// The level falls: components of `{ w >= level }`; leaves are maxima, roots the lowest.
-    Superlevel,
-}
-
-impl Polarity {
-    /// The weight as a level that rises; its own inverse. Both zeros are one.
-    #[inline]
-    pub(crate) fn orient(self, weight: f64) -> f64 {
-        match self {
-            Self::Sublevel => weight + 0.0,
-            Self::Superlevel => 0.0 - weight,
-        }
-    }
-}
 
 /// The volume of each vertex: what a region is measured in.
 ///

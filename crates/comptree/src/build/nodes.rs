@@ -1,43 +1,44 @@
+//! Step 4 of the construction: each level of a segment becomes a node, written to its place in postorder.
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
-use super::arrange::{Arrangement, arrange};
 use super::branches::{Branches, Join, Joined};
-use super::relief::Relief;
+use super::filtration::Filtration;
+use super::placement::{Placement, place};
 use super::segments::{Extent, Segment, Segments, in_blocks};
-use super::sorted::Sorted;
+use super::sorted_vertices::SortedVertices;
 use crate::Polarity;
 use crate::tree::Nodes;
 
 /// Makes nodes of the sorted vertices. `memory`, one entry for each vertex, becomes part of the tree.
-pub(super) fn nodes<R: Relief>(
-    relief: &R,
+pub(super) fn write<R: Filtration>(
+    filtration: &R,
     branches: &Branches,
-    sorted: Sorted,
+    sorted: SortedVertices,
     memory: Vec<u32>,
     polarity: Polarity,
 ) -> Nodes {
     let joined = branches.joined();
-    let segments = Segments::new(relief, branches, &joined, &sorted);
-    let arrangement = arrange(branches, &joined, &segments);
-    let output = Output::new(arrangement.total, memory);
+    let segments = Segments::new(filtration, branches, &joined, &sorted);
+    let placement = place(branches, &joined, &segments);
+    let output = Output::new(placement.total, memory);
     let write = |segment: &Segment, place: Extent, bare: f64| {
-        output.write(relief, &sorted, segment, place, polarity, bare);
+        output.write(filtration, &sorted, segment, place, polarity, bare);
     };
     (0..branches.len()).into_par_iter().with_min_len(256).for_each(|branch| {
-        write(&segments.first[branch], arrangement.first[branch], f64::NAN);
+        write(&segments.first[branch], placement.first[branch], f64::NAN);
     });
     (0..joined.list.len()).into_par_iter().with_min_len(256).for_each(|slot| {
         let Join { level, into } = joined.joins[slot];
-        let place = arrangement.first[into as usize].plus(arrangement.later[slot]);
+        let place = placement.first[into as usize].plus(placement.later[slot]);
         write(&segments.later[slot], place, level);
     });
     let Output { vertices, altitudes, ends } = output;
     // The sorted vertices are no longer needed, their memory is.
     let memory = sorted.memory;
-    let parents = parents(branches, &joined, &segments, &arrangement, memory);
+    let parents = parents(branches, &joined, &segments, &placement, memory);
     Nodes {
         parents,
         altitudes: altitudes.into_iter().map(|bits| f64::from_bits(bits.into_inner())).collect(),
@@ -66,10 +67,10 @@ impl Output {
     }
 
     /// Writes a segment to its place; `bare` is the level of the node that has no vertex of its own.
-    fn write<R: Relief>(
+    fn write<R: Filtration>(
         &self,
-        relief: &R,
-        sorted: &Sorted,
+        filtration: &R,
+        sorted: &SortedVertices,
         segment: &Segment,
         place: Extent,
         polarity: Polarity,
@@ -83,7 +84,7 @@ impl Output {
                 let out = self.vertices[to.clone()].iter().zip(&self.altitudes[to]);
                 for (&[v, _], (vertex, altitude)) in sorted.entries()[range].iter().zip(out) {
                     vertex.store(v, Relaxed);
-                    altitude.store(polarity.orient(relief.level(v)).to_bits(), Relaxed);
+                    altitude.store(polarity.orient(filtration.level(v)).to_bits(), Relaxed);
                 }
             };
             match in_blocks(segment.entries()) {
@@ -105,7 +106,7 @@ impl Output {
         for &[v, _] in &sorted.entries()[segment.entries()] {
             self.vertices[end as usize].store(v, Relaxed);
             end += 1;
-            let level = relief.level(v);
+            let level = filtration.level(v);
             if level != last {
                 begin(node, level);
                 node += 1;
@@ -121,15 +122,15 @@ fn parents(
     branches: &Branches,
     joined: &Joined,
     segments: &Segments,
-    arrangement: &Arrangement,
+    placement: &Placement,
     mut parents: Vec<u32>,
 ) -> Vec<u32> {
-    parents.truncate(arrangement.total.nodes as usize);
+    parents.truncate(placement.total.nodes as usize);
     parents.shrink_to_fit();
     parents.par_iter_mut().enumerate().for_each(|(node, parent)| *parent = node as u32 + 1);
     for branch in 0..branches.len() {
-        let base = arrangement.first[branch];
-        let mut above = arrangement.above[branch];
+        let base = placement.first[branch];
+        let mut above = placement.above[branch];
         let mut end = |segment: &Segment, place: Extent| {
             if segment.size.nodes > 0 {
                 parents[(place.nodes + segment.size.nodes) as usize - 1] = above;
@@ -137,7 +138,7 @@ fn parents(
             }
         };
         for slot in joined.slots(branch as u32).rev() {
-            end(&segments.later[slot], base.plus(arrangement.later[slot]));
+            end(&segments.later[slot], base.plus(placement.later[slot]));
         }
         end(&segments.first[branch], base);
     }

@@ -5,7 +5,8 @@
 //! * VLFeat knows 256 grey values and steps of 1; here values are of any type, and the step is a parameter;
 //! * VLFeat knows 8 neighbours in images and 26 in volumes; here the tree decides;
 //! * VLFeat finds bright regions in the inverted volume; here the tree grows the other way.
-use mser3d_comptree::{ComponentTree, MsvParameters, Polarity, Stencil, maximally_stable_volumes};
+use mser3d_comptree::shape::Connectivity;
+use mser3d_comptree::{ComponentTree, MsvParameters, Polarity, maximally_stable_volumes};
 
 const DIMS: [usize; 3] = [20, 18, 14];
 
@@ -44,7 +45,8 @@ fn volume() -> Vec<u8> {
 #[test]
 fn every_region_is_vlfeats() {
     let values = volume();
-    let tree = |polarity| ComponentTree::from_grid(DIMS, Stencil::TwentySix, &values, 1.0, polarity).unwrap();
+    let tree =
+        |polarity| ComponentTree::from_grid(DIMS, Connectivity::TwentySix, &values, 1.0, polarity).unwrap();
     let (dark, bright) = (tree(Polarity::Sublevel), tree(Polarity::Superlevel));
     let text = include_str!("data/vlfeat.txt");
     let mut searches = 0;

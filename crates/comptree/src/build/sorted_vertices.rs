@@ -1,10 +1,12 @@
+//! Step 3 of the construction: vertices sorted along their branches only (ExTreeM's augmentation), by
+//! counting into bins.
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
 use super::branches::Branches;
-use super::relief::Relief;
+use super::filtration::Filtration;
 
 /// Vertices to sort at once, on average.
 const BIN: usize = 256;
@@ -13,7 +15,7 @@ const BIN: usize = 256;
 pub(super) type Entry = [u32; 2];
 
 /// All vertices by branch, along a branch by level, and of one level by number.
-pub(super) struct Sorted {
+pub(super) struct SortedVertices {
     /// The [`entries`](Self::entries), flat: this memory will become part of the tree.
     pub memory: Vec<u32>,
     /// Where the vertices of each branch begin, and their number.
@@ -48,10 +50,10 @@ fn finite(level: f64) -> f64 {
     level.clamp(-1e307, 1e307)
 }
 
-impl Sorted {
+impl SortedVertices {
     /// `labels` are the vertices' basins; gives back their memory.
-    pub fn new<R: Relief>(
-        relief: &R,
+    pub fn new<R: Filtration>(
+        filtration: &R,
         mut labels: Vec<u32>,
         branches: &Branches,
         parts: usize,
@@ -60,11 +62,11 @@ impl Sorted {
         let counts: Vec<Vec<u32>> = labels
             .par_chunks_mut(step)
             .enumerate()
-            .map(|(part, labels)| climb(relief, labels, part * step, branches))
+            .map(|(part, labels)| climb(filtration, labels, part * step, branches))
             .collect();
-        let mut sorted = Self::laid_out(branches, counts, relief.top());
-        sorted.scatter(relief, &labels, step);
-        sorted.sort(relief);
+        let mut sorted = Self::laid_out(branches, counts, filtration.top());
+        sorted.scatter(filtration, &labels, step);
+        sorted.sort(filtration);
         (sorted, labels)
     }
 
@@ -92,8 +94,8 @@ impl Sorted {
     }
 
     /// Puts all vertices into their bins, ascending in each.
-    fn scatter<R: Relief>(&mut self, relief: &R, labels: &[u32], step: usize) {
-        let of = |v: u32, branch: u32| self.bins[branch as usize].of(relief.level(v));
+    fn scatter<R: Filtration>(&mut self, filtration: &R, labels: &[u32], step: usize) {
+        let of = |v: u32, branch: u32| self.bins[branch as usize].of(filtration.level(v));
         let vertices = |part: usize| (part * step) as u32..;
         let mut cursors: Vec<Vec<u32>> = labels
             .par_chunks(step)
@@ -127,7 +129,7 @@ impl Sorted {
     }
 
     /// Sorts each bin.
-    fn sort<R: Relief>(&mut self, relief: &R) {
+    fn sort<R: Filtration>(&mut self, filtration: &R) {
         let entries = self.memory.as_chunks_mut::<2>().0;
         let n = entries.len();
         // Groups of whole bins, a few for each thread.
@@ -147,7 +149,7 @@ impl Sorted {
             let mut start = 0;
             for &end in ends {
                 let end = (end - from) as usize;
-                sort_bin(relief, &mut entries[start..end], &mut scratch);
+                sort_bin(filtration, &mut entries[start..end], &mut scratch);
                 start = end;
             }
         });
@@ -159,24 +161,24 @@ impl Sorted {
     }
 
     /// Where in a branch the vertices begin that enter at a level of its span or above.
-    pub fn split<R: Relief>(&self, relief: &R, branch: u32, level: f64) -> u32 {
+    pub fn split<R: Filtration>(&self, filtration: &R, branch: u32, level: f64) -> u32 {
         let (bin, place) = self.bins[branch as usize].of(level);
         let start = if bin == 0 { 0 } else { self.ends[bin as usize - 1] };
         let bin = &self.entries()[start as usize..self.ends[bin as usize] as usize];
-        let below = |e: &Entry| e[1] < place || e[1] == place && relief.level(e[0]) < level;
+        let below = |e: &Entry| e[1] < place || e[1] == place && filtration.level(e[0]) < level;
         start + bin.partition_point(below) as u32
     }
 
     /// How many vertices of a range enter at another level than the one before them.
     #[inline(always)]
-    pub fn rises<R: Relief>(&self, relief: &R, range: Range<usize>) -> u32 {
+    pub fn rises<R: Filtration>(&self, filtration: &R, range: Range<usize>) -> u32 {
         if range.is_empty() {
             return 0;
         }
         let entries = &self.entries()[range.start - 1..range.end];
         let pairs = || entries.iter().zip(&entries[1..]);
         let unclear = pairs().fold(0, |sum, (a, b)| sum + u32::from(a[1] == b[1]));
-        let level = |entry: &Entry| relief.level(entry[0]);
+        let level = |entry: &Entry| filtration.level(entry[0]);
         let equal = |(a, b): &(&Entry, &Entry)| a[1] == b[1] && level(a) == level(b);
         // Of different places levels differ, nearly always.
         range.len() as u32 - if unclear == 0 { 0 } else { pairs().filter(equal).count() as u32 }
@@ -184,12 +186,12 @@ impl Sorted {
 }
 
 /// Turns the basins of a range of vertices into branches, and counts the vertices of each.
-fn climb<R: Relief>(relief: &R, labels: &mut [u32], start: usize, branches: &Branches) -> Vec<u32> {
+fn climb<R: Filtration>(filtration: &R, labels: &mut [u32], start: usize, branches: &Branches) -> Vec<u32> {
     let mut count = vec![0; branches.len()];
     // Next to each other most vertices lie on one branch.
     let (mut basin, mut branch, mut low, mut high) = (u32::MAX, 0, 0.0, 0.0);
     for (i, label) in labels.iter_mut().enumerate() {
-        let level = relief.level((start + i) as u32);
+        let level = filtration.level((start + i) as u32);
         if *label != basin || level < low || level >= high {
             basin = *label;
             (branch, low, high) = branches.climb(basin, level);
@@ -206,7 +208,7 @@ fn key(&[vertex, place]: &Entry) -> u64 {
 }
 
 /// Sorts one bin by (level, vertex). The vertices come ascending.
-fn sort_bin<R: Relief>(relief: &R, entries: &mut [Entry], scratch: &mut Vec<Entry>) {
+fn sort_bin<R: Filtration>(filtration: &R, entries: &mut [Entry], scratch: &mut Vec<Entry>) {
     if entries.len() < 2 {
         return;
     }
@@ -218,7 +220,7 @@ fn sort_bin<R: Relief>(relief: &R, entries: &mut [Entry], scratch: &mut Vec<Entr
         let place = entries[first][1];
         let len = entries[first..].iter().take_while(|e| e[1] == place).count();
         let run = &mut entries[first..first + len];
-        let level = |e: &Entry| relief.level(e[0]);
+        let level = |e: &Entry| filtration.level(e[0]);
         if !run.is_sorted_by(|a, b| level(a) <= level(b)) {
             run.sort_unstable_by(|a, b| level(a).total_cmp(&level(b)).then(a[0].cmp(&b[0])));
         }

@@ -1,5 +1,5 @@
-//! The canonical numbering of nodes.
-use crate::order::NONE;
+//! The canonical numbering of nodes: postorder, siblings by their smallest vertex. Not in a paper.
+use crate::tree::NONE;
 use crate::tree::Nodes;
 
 /// What a walk through a tree reads of a node, together in memory.

@@ -1,4 +1,4 @@
-//! Values that vertices can carry.
+//! Types of grey values: trees of 8-bit images need no conversion.
 
 /// A number that weighs a vertex: grey values and measurements. Sealed.
 pub trait GreyValue: Copy + PartialOrd + Into<f64> + Send + Sync + sealed::Sealed + 'static {}

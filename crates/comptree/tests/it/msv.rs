@@ -1,6 +1,8 @@
 //! Maximally stable volumes against their definition by areas at levels.
+use mser3d_comptree::shape::Connectivity;
 use mser3d_comptree::{
-    ComponentTree, Ellipsoid, Moments, MsvParameters, Polarity, Stencil, TreeError, maximally_stable_volumes,
+    ComponentTree, Ellipsoid, InvalidParameter, Moments, MsvParameters, Polarity, TreeError,
+    maximally_stable_volumes,
 };
 use proptest::prelude::*;
 
@@ -83,7 +85,7 @@ proptest! {
     ) {
         let dims = [5, 4, 3];
         let parameters = MsvParameters { delta: f64::from(delta), min_area: 0.03, max_area: 0.8, max_variation, min_diversity, step: 1.0 };
-        let tree = ComponentTree::from_grid(dims, Stencil::TwentySix, &values, 1.0, Polarity::Sublevel).unwrap();
+        let tree = ComponentTree::from_grid(dims, Connectivity::TwentySix, &values, 1.0, Polarity::Sublevel).unwrap();
         let selection = maximally_stable_volumes(&tree, &parameters).unwrap();
         let mut found: Vec<(usize, u8)> = selection.regions.iter().map(|r| (r.volume as usize, r.altitude as u8)).collect();
         found.sort_unstable();
@@ -93,7 +95,7 @@ proptest! {
         prop_assert_eq!(report.candidates, removed + report.kept);
         // Bright regions are the dark ones of the negative.
         let negative: Vec<u8> = values.iter().map(|v| 255 - v).collect();
-        let bright = ComponentTree::from_grid(dims, Stencil::TwentySix, &negative, 1.0, Polarity::Superlevel).unwrap();
+        let bright = ComponentTree::from_grid(dims, Connectivity::TwentySix, &negative, 1.0, Polarity::Superlevel).unwrap();
         let bright = maximally_stable_volumes(&bright, &parameters).unwrap();
         prop_assert!(selection.regions.iter().zip(&bright.regions).all(|(a, b)| (a.node, a.parent) == (b.node, b.parent)));
     }
@@ -119,7 +121,7 @@ fn a_solid_ellipsoid_in_noise_is_found_and_fitted() {
     let values: Vec<u8> =
         (0..n).map(|v| if inside(position(v as u32)) { 170 } else { 60 } + noise(v)).collect();
     let tree =
-        ComponentTree::from_grid(dims, Stencil::TwentySix, &values, 1.0, Polarity::Superlevel).unwrap();
+        ComponentTree::from_grid(dims, Connectivity::TwentySix, &values, 1.0, Polarity::Superlevel).unwrap();
     let parameters = MsvParameters { min_area: 0.01, ..Default::default() };
     let selection = maximally_stable_volumes(&tree, &parameters).unwrap();
     let region = selection.regions[0];
@@ -139,14 +141,14 @@ fn a_solid_ellipsoid_in_noise_is_found_and_fitted() {
 #[test]
 fn an_image_and_a_constant_have_their_answers() {
     let flat =
-        ComponentTree::from_grid([9, 9, 1], Stencil::Four, &[7u8; 81], 1.0, Polarity::Sublevel).unwrap();
+        ComponentTree::from_grid([9, 9, 1], Connectivity::Six, &[7u8; 81], 1.0, Polarity::Sublevel).unwrap();
     assert!(maximally_stable_volumes(&flat, &MsvParameters::default()).unwrap().regions.is_empty());
     let empty =
-        ComponentTree::from_grid::<u8>([0, 0, 0], Stencil::Four, &[], 1.0, Polarity::Sublevel).unwrap();
+        ComponentTree::from_grid::<u8>([0, 0, 0], Connectivity::Six, &[], 1.0, Polarity::Sublevel).unwrap();
     assert!(maximally_stable_volumes(&empty, &MsvParameters::default()).unwrap().regions.is_empty());
     let wrong = MsvParameters { delta: 0.0, ..Default::default() };
     assert!(matches!(
         maximally_stable_volumes(&flat, &wrong),
-        Err(TreeError::BadParameter { name: "delta", .. })
+        Err(TreeError::InvalidParameter(InvalidParameter { name: "delta", .. }))
     ));
 }

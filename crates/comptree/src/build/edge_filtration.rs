@@ -1,9 +1,10 @@
-//! Weights on edges: a vertex enters with its lowest edge and descends along it.
+//! Weights on edges: a vertex enters with its lowest edge and descends along it (the first round of Borůvka
+//! 1926).
 use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::relief::Relief;
+use super::filtration::Filtration;
 use crate::topology::Topology;
 use crate::{Polarity, TreeError};
 
@@ -46,7 +47,7 @@ impl LowestEdges {
 }
 
 /// Weights on edges, which enter at their own levels.
-pub(super) struct EdgeRelief<E> {
+pub(super) struct EdgeFiltration<E> {
     edges: E,
     polarity: Polarity,
     lowest: LowestEdges,
@@ -71,7 +72,7 @@ pub(super) struct Listed<'a> {
     weights: &'a [f64],
 }
 
-impl<'a> EdgeRelief<Listed<'a>> {
+impl<'a> EdgeFiltration<Listed<'a>> {
     /// # Errors
     /// Sizes that differ, and NaN.
     pub fn of_list(
@@ -124,7 +125,7 @@ pub(super) struct Weighed<'a, T, W> {
     weight: W,
 }
 
-impl<'a, T: Topology, W: Fn(u32, u32) -> f64 + Sync> EdgeRelief<Weighed<'a, T, W>> {
+impl<'a, T: Topology, W: Fn(u32, u32) -> f64 + Sync> EdgeFiltration<Weighed<'a, T, W>> {
     /// # Errors
     /// NaN.
     pub fn of_function(
@@ -181,7 +182,7 @@ impl<T: Topology, W: Fn(u32, u32) -> f64 + Sync> Edges for Weighed<'_, T, W> {
     }
 }
 
-impl<E: Edges> Relief for EdgeRelief<E> {
+impl<E: Edges> Filtration for EdgeFiltration<E> {
     fn len(&self) -> usize {
         self.lowest.to.len()
     }

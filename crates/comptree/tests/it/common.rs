@@ -1,5 +1,4 @@
 //! The definition of a component tree, followed literally.
-#![allow(dead_code)]
 use std::collections::BTreeSet;
 
 use mser3d_comptree::{ComponentTree, Polarity};

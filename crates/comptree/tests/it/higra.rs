@@ -1,6 +1,6 @@
 //! Higra's answers on small fields (Perret et al. 2019), with ties, masks and all stencils: its min-trees and
 //! quasi-flat zones have the same nodes. `xtask/peers/tree.py fixtures` asked it.
-use mser3d_comptree::{ComponentTree, Polarity, Stencil};
+use mser3d_comptree::{ComponentTree, Polarity};
 use mser3d_shape::{BitGrid, Connectivity, Frame, VoxelGrid};
 
 const ANSWERS: &str = include_str!("data/higra.txt");
@@ -10,7 +10,8 @@ type Node = [f64; 4];
 
 struct Case {
     edge: bool,
-    stencil: Stencil,
+    /// 4, 8, 6, 18 or 26.
+    neighbours: usize,
     dims: [usize; 3],
     /// Of all voxels.
     values: Vec<f64>,
@@ -33,13 +34,7 @@ fn cases() -> Vec<Case> {
         let dims: Vec<usize> = head[2..].iter().map(|n| n.parse().unwrap()).collect();
         Case {
             edge: head[0] == "edge",
-            stencil: match head[1] {
-                "4" => Stencil::Four,
-                "8" => Stencil::Eight,
-                "6" => Stencil::Six,
-                "18" => Stencil::Eighteen,
-                _ => Stencil::TwentySix,
-            },
+            neighbours: head[1].parse().unwrap(),
             dims: dims.try_into().unwrap(),
             values: numbers(field(1, "values ")),
             mask: field(2, "mask ").bytes().map(|b| b == b'1').collect(),
@@ -50,17 +45,45 @@ fn cases() -> Vec<Case> {
     lines.chunks(5).map(case).collect()
 }
 
-/// The tree by the implicit grid for what it is, a box or a mask.
+/// Pairs of voxels that share a face or an edge.
+fn edges_of_18(dims: [usize; 3]) -> Vec<[u32; 2]> {
+    let at = |v: usize| [v % dims[0], v / dims[0] % dims[1], v / dims[0] / dims[1]];
+    let near = |u: usize, v: usize| {
+        let apart: [usize; 3] = std::array::from_fn(|a| at(u)[a].abs_diff(at(v)[a]));
+        apart.iter().all(|&d| d <= 1) && (1..=2).contains(&apart.iter().sum::<usize>())
+    };
+    let n = dims.iter().product();
+    let pairs = (0..n).flat_map(|u| (u + 1..n).map(move |v| [u, v]));
+    pairs.filter(|&[u, v]| near(u, v)).map(|pair| pair.map(|v| v as u32)).collect()
+}
+
+/// The tree by the implicit grid for what it is, a box or a mask; of 18 neighbours by a list of edges.
 fn tree(case: &Case, values: &[f64], polarity: Polarity) -> ComponentTree {
-    let Case { edge, stencil, dims, mask, .. } = case;
+    let Case { edge, neighbours, dims, mask, .. } = case;
+    // In one slice six neighbours are four, and 26 are eight.
+    let connectivity = if [4, 6].contains(neighbours) { Connectivity::Six } else { Connectivity::TwentySix };
     let difference = |values: &[f64], u: u32, v: u32| {
         polarity_sign(polarity) * (values[u as usize] - values[v as usize]).abs()
     };
-    let built = if mask.iter().all(|&inside| inside) {
+    let built = if *neighbours == 18 {
+        let edges = edges_of_18(*dims);
         if *edge {
-            ComponentTree::from_grid_edges(*dims, *stencil, |u, v| difference(values, u, v), 1.0, polarity)
+            let weights: Vec<f64> = edges.iter().map(|&[u, v]| difference(values, u, v)).collect();
+            ComponentTree::from_edge_weights(values.len(), &edges, &weights, 1.0, polarity)
         } else {
-            ComponentTree::from_grid(*dims, *stencil, values, 1.0, polarity)
+            ComponentTree::from_vertex_weights(&edges, values, 1.0, polarity)
+        }
+    } else if mask.iter().all(|&inside| inside) {
+        if *edge {
+            ComponentTree::from_grid_edges(
+                *dims,
+                connectivity,
+                |u, v| difference(values, u, v),
+                1.0,
+                polarity,
+            )
+        } else {
+            ComponentTree::from_grid(*dims, connectivity, values, 1.0, polarity)
         }
     } else {
         let mut bits = BitGrid::empty(*dims).unwrap();
@@ -68,7 +91,6 @@ fn tree(case: &Case, values: &[f64], polarity: Polarity) -> ComponentTree {
             let position = [v % dims[0], v / dims[0] % dims[1], v / dims[0] / dims[1]];
             bits.set(position.map(|c| c as u32), inside);
         }
-        let connectivity = if *stencil == Stencil::Six { Connectivity::Six } else { Connectivity::TwentySix };
         let inside: Vec<f64> =
             values.iter().zip(mask).filter(|(_, inside)| **inside).map(|(v, _)| *v).collect();
         if *edge {

@@ -1,10 +1,10 @@
-//! Trees of weights on edges: quasi-flat zones.
+//! Trees of weights on edges: quasi-flat zones (Meyer 1998), the paper's edge-weighted trees (section 4.1).
 use mser3d_shape::{Connectivity, VoxelGrid};
 
-use super::edge_relief::EdgeRelief;
+use super::edge_filtration::EdgeFiltration;
 use super::{build, check_edges, parts};
 use crate::topology::{DenseGrid, LinkedVoxels, Topology};
-use crate::{ComponentTree, Polarity, Stencil, TreeError, Volumes};
+use crate::{ComponentTree, Polarity, TreeError, Volumes};
 
 impl ComponentTree {
     /// The tree of a graph of `n` vertices with weighted edges (quasi-flat zones): its nodes are the
@@ -24,24 +24,26 @@ impl ComponentTree {
         polarity: Polarity,
     ) -> Result<Self, TreeError> {
         check_edges(n, edges)?;
-        build(&EdgeRelief::of_list(n, edges, weights, polarity)?, volumes.into(), polarity)
+        build(&EdgeFiltration::of_list(n, edges, weights, polarity)?, volumes.into(), polarity)
     }
 
     /// The tree of an image or a volume with a weight for each pair of neighbours, given by a function
     /// of their numbers (x fastest, the smaller first): so that vector-valued volumes have trees too. The
     /// function is called several times for an edge and must always give the same weight. No graph is made.
+    /// In a grid of one slice `Six` means the 4 neighbours of a pixel, and `TwentySix` its 8.
     ///
     /// Cost: with cheap weights about 250 ns a voxel on one core, 80 bytes a voxel at the peak.
     ///
     /// ```
-    /// use mser3d_comptree::{ComponentTree, Polarity, Stencil};
+    /// use mser3d_comptree::shape::Connectivity;
+    /// use mser3d_comptree::{ComponentTree, Polarity};
     ///
     /// let colours = [[0.0, 0.1], [0.0, 0.2], [0.9, 0.2]];
     /// let distance = |u: u32, v: u32| {
     ///     let [a, b] = [colours[u as usize], colours[v as usize]];
     ///     f64::hypot(a[0] - b[0], a[1] - b[1])
     /// };
-    /// let tree = ComponentTree::from_grid_edges([3, 1, 1], Stencil::Four, distance, 1.0, Polarity::Sublevel)?;
+    /// let tree = ComponentTree::from_grid_edges([3, 1, 1], Connectivity::Six, distance, 1.0, Polarity::Sublevel)?;
     /// assert_eq!(tree.vertices(0), [0, 1]);
     /// # Ok::<(), mser3d_comptree::TreeError>(())
     /// ```
@@ -50,12 +52,12 @@ impl ComponentTree {
     /// NaN weights, bad volumes, 2^31 voxels.
     pub fn from_grid_edges<'v>(
         dims: [usize; 3],
-        stencil: Stencil,
+        connectivity: Connectivity,
         weight: impl Fn(u32, u32) -> f64 + Sync,
         volumes: impl Into<Volumes<'v>>,
         polarity: Polarity,
     ) -> Result<Self, TreeError> {
-        edge_tree(&DenseGrid::new(dims, stencil)?, weight, volumes.into(), polarity)
+        edge_tree(&DenseGrid::new(dims, connectivity)?, weight, volumes.into(), polarity)
     }
 
     /// The tree of a solid with a weight for each pair of linked voxels, given by a function of their
@@ -82,6 +84,6 @@ fn edge_tree<T: Topology>(
     volumes: Volumes<'_>,
     polarity: Polarity,
 ) -> Result<ComponentTree, TreeError> {
-    let relief = EdgeRelief::of_function(topology, weight, polarity, parts(topology.len()))?;
-    build(&relief, volumes, polarity)
+    let filtration = EdgeFiltration::of_function(topology, weight, polarity, parts(topology.len()))?;
+    build(&filtration, volumes, polarity)
 }

@@ -1,4 +1,5 @@
-//! When vertices and edges enter as the level rises: what a tree is built from.
+//! When vertices and edges enter as the level rises, the lower-star filtration of Morse theory: what a tree
+//! is built from.
 use std::ops::Range;
 
 use rayon::prelude::*;
@@ -6,11 +7,11 @@ use rayon::prelude::*;
 use crate::topology::Topology;
 use crate::{GreyValue, Polarity, TreeError};
 
-/// A weighted graph as a landscape: vertices and edges enter at levels that rise.
+/// A weighted graph whose vertices and edges enter while a level rises.
 ///
 /// A vertex counts as entered once something can be joined to it; so it is connected to where it
 /// descends to at its own level.
-pub(super) trait Relief: Sync {
+pub(super) trait Filtration: Sync {
     fn len(&self) -> usize;
 
     /// Ranges of vertices that can go to different threads, about `parts` of them.
@@ -37,14 +38,14 @@ pub(super) trait Relief: Sync {
 }
 
 /// Weights on vertices: an edge enters with the later of its ends.
-pub(super) struct VertexRelief<'a, T, V> {
+pub(super) struct VertexFiltration<'a, T, V> {
     topology: &'a T,
     values: &'a [V],
     polarity: Polarity,
     top: f64,
 }
 
-impl<'a, T: Topology, V: GreyValue> VertexRelief<'a, T, V> {
+impl<'a, T: Topology, V: GreyValue> VertexFiltration<'a, T, V> {
     /// # Errors
     /// Sizes that differ, and NaN.
     pub fn new(topology: &'a T, values: &'a [V], polarity: Polarity) -> Result<Self, TreeError> {
@@ -69,7 +70,7 @@ impl<'a, T: Topology, V: GreyValue> VertexRelief<'a, T, V> {
     }
 }
 
-impl<T: Topology, V: GreyValue> Relief for VertexRelief<'_, T, V> {
+impl<T: Topology, V: GreyValue> Filtration for VertexFiltration<'_, T, V> {
     fn len(&self) -> usize {
         self.topology.len()
     }

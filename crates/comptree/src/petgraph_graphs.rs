@@ -1,6 +1,8 @@
-//! Trees of petgraph's graphs.
+//! Trees of petgraph's graphs, and trees as such graphs.
+use petgraph::graph::{DiGraph, NodeIndex};
 use petgraph::visit::{EdgeRef, IntoEdgeReferences, NodeCompactIndexable};
 
+use crate::tree::NONE;
 use crate::{ComponentTree, Polarity, TreeError, Volumes};
 
 impl ComponentTree {
@@ -50,6 +52,17 @@ impl ComponentTree {
         crate::build::check_limit("vertices", graph.node_count() as u128)?;
         let weights: Vec<f64> = (0..graph.node_count()).map(|i| weight(graph.from_index(i))).collect();
         Self::from_vertex_weights(&edges(graph), &weights, volumes, polarity)
+    }
+
+    /// The tree as a petgraph graph: node i is node i, weighted by its altitude, with an edge to its
+    /// parent.
+    pub fn to_petgraph(&self) -> DiGraph<f64, ()> {
+        let mut graph = DiGraph::with_capacity(self.len(), self.len());
+        self.altitudes.iter().for_each(|&altitude| _ = graph.add_node(altitude));
+        for (node, &parent) in self.parents.iter().enumerate().filter(|(_, parent)| **parent != NONE) {
+            graph.add_edge(NodeIndex::new(node), NodeIndex::new(parent as usize), ());
+        }
+        graph
     }
 }
 

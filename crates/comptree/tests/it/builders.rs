@@ -1,16 +1,13 @@
 //! All ways to build a tree give the same tree.
-mod common;
-
-use common::{check_structure, components_by_threshold, components_of, facts_by_kruskal, facts_of};
-use mser3d_comptree::{ComponentTree, GreyValue, Polarity, Stencil, TreeError};
+use super::common::{check_structure, components_by_threshold, components_of, facts_by_kruskal, facts_of};
+use mser3d_comptree::{ComponentTree, GreyValue, Polarity, TreeError};
 use mser3d_shape::{BitGrid, Connectivity, Frame, VoxelGrid};
 use proptest::prelude::*;
 
-const STENCILS: [Stencil; 5] =
-    [Stencil::Four, Stencil::Eight, Stencil::Six, Stencil::Eighteen, Stencil::TwentySix];
+const CONNECTIVITIES: [Connectivity; 2] = [Connectivity::Six, Connectivity::TwentySix];
 
-/// The edges of a box by the definition of the stencil: by the distance of positions.
-fn edges(dims: [usize; 3], stencil: Stencil) -> Vec<[u32; 2]> {
+/// The edges of a box by the definition of connectivity: by the distance of positions.
+fn edges(dims: [usize; 3], connectivity: Connectivity) -> Vec<[u32; 2]> {
     let n = dims.iter().product::<usize>();
     let at = |v: usize| [v % dims[0], v / dims[0] % dims[1], v / dims[0] / dims[1]];
     let mut edges = Vec::new();
@@ -19,12 +16,9 @@ fn edges(dims: [usize; 3], stencil: Stencil) -> Vec<[u32; 2]> {
             let [a, b] = [at(u), at(v)];
             let apart: Vec<usize> = (0..3).map(|i| a[i].abs_diff(b[i])).collect();
             let (sum, most) = (apart.iter().sum::<usize>(), apart.iter().max().copied().unwrap_or(0));
-            let linked = match stencil {
-                Stencil::Four => sum == 1 && apart[2] == 0,
-                Stencil::Eight => most == 1 && apart[2] == 0,
-                Stencil::Six => sum == 1,
-                Stencil::Eighteen => most == 1 && sum <= 2,
-                Stencil::TwentySix => most == 1,
+            let linked = match connectivity {
+                Connectivity::Six => sum == 1,
+                Connectivity::TwentySix => most == 1,
             };
             if linked {
                 edges.push([u as u32, v as u32]);
@@ -54,9 +48,12 @@ fn field() -> impl Strategy<Value = ([usize; 3], Vec<f64>)> {
 proptest! {
     #[test]
     fn a_grid_is_its_graph((dims, values) in field(), polarity in polarity()) {
-        for stencil in STENCILS {
-            let edges = edges(dims, stencil);
-            let grid = ComponentTree::from_grid(dims, stencil, &values, 1.0, polarity).unwrap();
+        // As a volume, and as an image: there six neighbours are four, and 26 are eight.
+        let [x, y, z] = dims;
+        let boxes = [dims, [x, y * z, 1]];
+        for (dims, connectivity) in boxes.into_iter().flat_map(|dims| CONNECTIVITIES.map(|c| (dims, c))) {
+            let edges = edges(dims, connectivity);
+            let grid = ComponentTree::from_grid(dims, connectivity, &values, 1.0, polarity).unwrap();
             let graph = ComponentTree::from_vertex_weights(&edges, &values, 1.0, polarity).unwrap();
             prop_assert_eq!(&grid, &graph);
             check_structure(&grid);
@@ -92,7 +89,7 @@ proptest! {
         let parted = VoxelGrid::new(frame, mask.clone(), links).unwrap().with_cut_diagonals(cut).unwrap();
         let values = &values[..solid.len()];
         for grid in [&solid, &parted] {
-            for connectivity in [Connectivity::Six, Connectivity::TwentySix] {
+            for connectivity in CONNECTIVITIES {
                 let implicit = ComponentTree::from_voxel_grid(grid, connectivity, values, 1.0, polarity).unwrap();
                 let graph = grid.graph(connectivity).unwrap();
                 let sum = |u: u32, v: u32| values[u as usize] + values[v as usize];
@@ -112,7 +109,7 @@ proptest! {
 
     #[test]
     fn a_vertex_tree_is_the_edge_tree_of_the_larger_end((dims, values) in field(), polarity in polarity()) {
-        let edges = edges(dims, Stencil::Six);
+        let edges = edges(dims, Connectivity::Six);
         let enter = |a: f64, b: f64| if polarity == Polarity::Sublevel { a.max(b) } else { a.min(b) };
         let weights: Vec<f64> = edges.iter().map(|&[u, v]| enter(values[u as usize], values[v as usize])).collect();
         let by_edge = ComponentTree::from_edge_weights(values.len(), &edges, &weights, 1.0, polarity).unwrap();
@@ -125,7 +122,7 @@ proptest! {
     #[test]
     fn the_type_of_grey_values_does_not_matter(values in prop::collection::vec(0u8..100, 60)) {
         fn of<V: GreyValue>(values: impl Iterator<Item = V>) -> ComponentTree {
-            ComponentTree::from_grid([5, 4, 3], Stencil::Six, &values.collect::<Vec<V>>(), 1.0, Polarity::Superlevel).unwrap()
+            ComponentTree::from_grid([5, 4, 3], Connectivity::Six, &values.collect::<Vec<V>>(), 1.0, Polarity::Superlevel).unwrap()
         }
         let reference = of(values.iter().map(|&v| f64::from(v)));
         prop_assert_eq!(&reference, &of(values.iter().copied()));
@@ -163,14 +160,16 @@ fn large_fields_agree_with_kruskals_algorithm() {
     let edges: Vec<[u32; 2]> = solid.graph(Connectivity::Six).unwrap().edges().collect();
     for values in large_fields() {
         let value = |v: u32| values[v as usize];
-        let tree = ComponentTree::from_grid(dims, Stencil::Six, &values, 1.0, Polarity::Sublevel).unwrap();
+        let tree =
+            ComponentTree::from_grid(dims, Connectivity::Six, &values, 1.0, Polarity::Sublevel).unwrap();
         let weights: Vec<f64> = edges.iter().map(|&[u, v]| value(u).max(value(v))).collect();
         assert!(facts_of(&tree) == facts_by_kruskal(values.len(), &edges, &weights));
 
         // Infinity from infinity is NaN.
         let difference = |u, v| if value(u) == value(v) { 0.0 } else { (value(u) - value(v)).abs() };
         let tree =
-            ComponentTree::from_grid_edges(dims, Stencil::Six, difference, 1.0, Polarity::Sublevel).unwrap();
+            ComponentTree::from_grid_edges(dims, Connectivity::Six, difference, 1.0, Polarity::Sublevel)
+                .unwrap();
         let weights: Vec<f64> = edges.iter().map(|&[u, v]| difference(u, v)).collect();
         assert!(facts_of(&tree) == facts_by_kruskal(values.len(), &edges, &weights));
         let listed =
@@ -185,14 +184,16 @@ fn the_number_of_threads_does_not_matter() {
     let dims = [48, 47, 46];
     let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     for values in large_fields() {
-        for stencil in [Stencil::Six, Stencil::TwentySix] {
+        for connectivity in CONNECTIVITIES {
             let build =
-                || ComponentTree::from_grid(dims, stencil, &values, 1.0, Polarity::Superlevel).unwrap();
+                || ComponentTree::from_grid(dims, connectivity, &values, 1.0, Polarity::Superlevel).unwrap();
             let one = pool(1).install(build);
             assert!(one == pool(2).install(build) && one == pool(5).install(build));
             let product = |u: u32, v: u32| values[u as usize] + values[v as usize];
-            let build =
-                || ComponentTree::from_grid_edges(dims, stencil, product, 1.0, Polarity::Superlevel).unwrap();
+            let build = || {
+                ComponentTree::from_grid_edges(dims, connectivity, product, 1.0, Polarity::Superlevel)
+                    .unwrap()
+            };
             let one = pool(1).install(build);
             assert!(one == pool(2).install(build) && one == pool(5).install(build));
         }
@@ -201,8 +202,9 @@ fn the_number_of_threads_does_not_matter() {
 
 #[test]
 fn too_many_voxels_are_refused_before_anything_is_allocated() {
-    let error =
-        |dims| ComponentTree::from_grid::<u8>(dims, Stencil::Six, &[], 1.0, Polarity::Sublevel).unwrap_err();
+    let error = |dims| {
+        ComponentTree::from_grid::<u8>(dims, Connectivity::Six, &[], 1.0, Polarity::Sublevel).unwrap_err()
+    };
     assert!(matches!(error([2048, 1024, 1024]), TreeError::TooMany { count: 0x8000_0000, .. }));
     assert!(matches!(error([usize::MAX; 3]), TreeError::TooMany { .. }));
     assert!(matches!(error([4, 4, 4]), TreeError::SizeMismatch { found: 0, expected: 64, .. }));
@@ -215,28 +217,31 @@ fn an_empty_mask_gives_the_empty_tree() {
         ComponentTree::from_mask::<f64>(&mask, Connectivity::Six, &[], 1.0, Polarity::Sublevel).unwrap();
     assert!(tree.is_empty());
     let none =
-        ComponentTree::from_grid::<u16>([0, 5, 5], Stencil::Six, &[], 1.0, Polarity::Sublevel).unwrap();
+        ComponentTree::from_grid::<u16>([0, 5, 5], Connectivity::Six, &[], 1.0, Polarity::Sublevel).unwrap();
     assert!(none.is_empty());
 }
 
 #[test]
 fn a_nan_anywhere_is_found() {
     let weight = |u: u32, v: u32| if (u, v) == (3, 7) { f64::NAN } else { 1.0 };
-    let error = ComponentTree::from_grid_edges([4, 4, 1], Stencil::Four, weight, 1.0, Polarity::Sublevel);
+    let error = ComponentTree::from_grid_edges([4, 4, 1], Connectivity::Six, weight, 1.0, Polarity::Sublevel);
     assert_eq!(error.unwrap_err().to_string().find("the weight of an edge of vertex 3 is NaN"), Some(0));
     let mut values = vec![0.0f32; 70 * 1000];
     values[69_123] = f32::NAN;
-    let error = ComponentTree::from_grid([70, 1000, 1], Stencil::Eight, &values, 1.0, Polarity::Superlevel);
+    let error =
+        ComponentTree::from_grid([70, 1000, 1], Connectivity::TwentySix, &values, 1.0, Polarity::Superlevel);
     assert_eq!(error.unwrap_err(), TreeError::NotANumber { what: "vertex", index: 69_123 });
 }
 
 #[test]
 fn one_voxel_is_one_node() {
-    let vertex = ComponentTree::from_grid([1, 1, 1], Stencil::Six, &[3u8], 2.0, Polarity::Sublevel).unwrap();
+    let vertex =
+        ComponentTree::from_grid([1, 1, 1], Connectivity::Six, &[3u8], 2.0, Polarity::Sublevel).unwrap();
     assert_eq!((vertex.len(), vertex.altitude(0), vertex.volume(0)), (1, 3.0, 2.0));
     let never = |_, _| -> f64 { unreachable!("one voxel has no neighbours") };
-    let edge = ComponentTree::from_grid_edges([1, 1, 1], Stencil::TwentySix, never, 2.0, Polarity::Sublevel)
-        .unwrap();
+    let edge =
+        ComponentTree::from_grid_edges([1, 1, 1], Connectivity::TwentySix, never, 2.0, Polarity::Sublevel)
+            .unwrap();
     assert_eq!((edge.len(), edge.altitude(0), edge.vertices(0)), (1, f64::NEG_INFINITY, &[0][..]));
 }
 
@@ -250,7 +255,7 @@ fn equal_values_are_one_node_for_each_part() {
     }
     let grid = VoxelGrid::solid(Frame::new(dims, [0.0; 3], [1.0; 3]).unwrap(), mask).unwrap();
     let values = vec![7.5f32; grid.len()];
-    for connectivity in [Connectivity::Six, Connectivity::TwentySix] {
+    for connectivity in CONNECTIVITIES {
         let vertex =
             ComponentTree::from_voxel_grid(&grid, connectivity, &values, 1.0, Polarity::Superlevel).unwrap();
         let zero = |_, _| 0.0;
