@@ -7,11 +7,10 @@ mod book {}
 
 use std::path::{Path, PathBuf};
 
-use mser3d::shape::{Domain, TriangleMesh};
+use mser3d::shape::{IndexSet, TriangleMesh};
 use mser3d::voxelize::Pitch;
-use mser3d::{Features, Parameters, detect, no_progress};
+use mser3d::{Detector, Features, Input, Parameters};
 use mser3d_meshio::{ReadOptions, read_mesh};
-use mser3d_shrec11::VertexSet;
 
 /// A mesh of the folder `fixtures`.
 ///
@@ -31,9 +30,14 @@ pub fn mirror(figure: &str) -> Vec<u32> {
     text.split_whitespace().map(|word| word.parse().unwrap()).collect()
 }
 
-/// Real shapes, where they are at hand.
+/// Real shapes, where they are at hand; a test that goes without them says so.
 pub fn real_shapes() -> Option<PathBuf> {
-    Some(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data")).filter(|path| path.is_dir())
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
+    if !folder.is_dir() {
+        eprintln!("skipped: there are no real shapes at {}", folder.display());
+        return None;
+    }
+    Some(folder)
 }
 
 /// Any mesh file.
@@ -52,20 +56,28 @@ pub fn coarse(voxels: usize, eigenpairs: usize) -> Parameters {
     parameters
 }
 
+/// The features of any input.
+///
+/// # Panics
+/// When there are none.
+pub fn features(input: Input, parameters: &Parameters) -> Features {
+    Detector::new(parameters.clone()).detect(input).unwrap_or_else(|e| panic!("{e}"))
+}
+
 /// The features of the solid inside a mesh.
 ///
 /// # Panics
 /// When there are none.
 pub fn solid_features(mesh: &TriangleMesh, parameters: &Parameters) -> Features {
-    detect(mesh, Domain::Volume, parameters, &no_progress).unwrap_or_else(|e| panic!("{e}"))
+    features(Input::Volume(mesh), parameters)
 }
 
 /// The regions as sets of the mesh's vertices.
 ///
 /// # Panics
 /// Never: vertices of regions are vertices of the mesh.
-pub fn vertex_sets(features: &Features) -> Vec<VertexSet> {
-    let vertices = features.body.element_of_vertex().len();
-    let members = |region: &mser3d::Region| region.vertices.iter().map(|&v| v as usize).collect::<Vec<_>>();
-    features.regions.iter().map(|r| VertexSet::from_members(vertices, members(r)).unwrap()).collect()
+pub fn vertex_sets(features: &Features) -> Vec<IndexSet> {
+    let vertices = features.shape.element_of_vertex().len();
+    let set = |r: &mser3d::Region| IndexSet::from_members(vertices, r.vertices.iter().copied()).unwrap();
+    features.regions.iter().map(set).collect()
 }

@@ -87,7 +87,7 @@ impl<'a> Detector<'a> {
         } else {
             clock.restart();
         }
-        let Spectrum { basis, report: spectrum } = spectra(&shape, &parameters.spectrum, *progress)?;
+        let Spectrum { basis, report: spectrum, .. } = spectra(&shape, &parameters.spectrum, *progress)?;
         let (seconds, available) = (clock.lap(Stage::Spectrum), basis.eigenvalues().len());
         tracing::info!(
             eigenpairs = available,

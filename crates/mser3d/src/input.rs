@@ -68,7 +68,7 @@ impl Input<'_> {
             Self::Shape(shape) => plain(*shape),
             Self::Solid(grid) if !largest_only => plain(DiscreteShape::solid(grid.clone(), connectivity)),
             Self::Solid(grid) => {
-                let (largest, components, voxels) = grid.largest_component();
+                let (largest, components, voxels) = grid.clone().largest_component();
                 let fraction = voxels as f64 / grid.len() as f64;
                 let dropped = Warning::SmallerComponents { components, voxels, fraction };
                 let warnings = if voxels > 0 { vec![dropped] } else { Vec::new() };

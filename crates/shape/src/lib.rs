@@ -51,3 +51,7 @@ pub use index_set::{IndexSet, innermost_regions};
 pub use mesh::{BoundingBox, TriangleMesh};
 pub use parameter::InvalidParameter;
 pub use random::SplitMix64;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}

@@ -1,11 +1,11 @@
-//! The other ways through the pipeline: surfaces, weights, neighbourhoods, modes.
+//! The other ways through the pipeline: surfaces, weights, neighbourhoods, stability rules.
 
 use std::collections::HashSet;
 
-use mser3d::comptree::Mode;
-use mser3d::shape::Connectivity;
-use mser3d::{Domain, Features, Weight, detect, no_progress};
-use mser3d_tests::{coarse, fixture, solid_features};
+use mser3d::comptree::StabilityRule;
+use mser3d::shape::{Choice, Connectivity};
+use mser3d::{Features, Input, Weight};
+use mser3d_tests::{coarse, features, fixture, solid_features};
 
 /// Regions come by size, are nested or disjoint within a tree, and name as parent the smallest region
 /// that contains them.
@@ -23,7 +23,7 @@ fn assert_consistent(features: &Features) {
         }
         let parent = (0..sets.len()).rev().find(|&j| j < i && sets[i].is_subset(&sets[j]));
         assert_eq!(region.parent, parent, "of {i}");
-        let map = features.body.element_of_vertex();
+        let map = features.shape.element_of_vertex();
         let expected: Vec<u32> =
             (0..map.len() as u32).filter(|&v| sets[i].contains(&map[v as usize])).collect();
         assert_eq!(region.vertices, expected);
@@ -40,10 +40,11 @@ fn reach(features: &Features) -> [f64; 2] {
 fn every_weight_finds_both_arms_in_the_volume_and_on_the_surface() {
     let mesh = fixture("human_rest.off");
     let mut parameters = coarse(4000, 60);
-    for weight in [Weight::Heat, Weight::CommuteTime, Weight::HeatEdge] {
+    for &weight in Weight::ALL {
         parameters.weight = weight;
-        for domain in [Domain::Volume, Domain::Surface] {
-            let features = detect(&mesh, domain, &parameters, &no_progress).unwrap();
+        for input in [Input::Volume(&mesh), Input::Surface(&mesh)] {
+            let domain = input.domain();
+            let features = features(input, &parameters);
             assert_consistent(&features);
             assert_eq!(features.trees.len(), if weight.has_time_scale() { 2 } else { 1 });
             let [right, left] = reach(&features);
@@ -65,18 +66,18 @@ fn diagonal_neighbours_follow_the_same_rules() {
         let [a, b] = [&six, &all].map(|f| f.regions.len());
         assert!(a.abs_diff(b) <= 3, "{pose}: {a} regions with 6 neighbours, {b} with 26");
         // The Laplacian has six neighbours in either case.
-        if six.body.len() == all.body.len() {
+        if six.shape.len() == all.shape.len() {
             assert_eq!(six.basis.eigenvalues(), all.basis.eigenvalues());
         }
     }
 }
 
 #[test]
-fn modes_differ_as_published() {
+fn stability_rules_differ_as_published() {
     let mesh = fixture("human_rest.off");
     let mut parameters = coarse(4000, 40);
-    let mut count = |mode| {
-        parameters.stability.mode = mode;
+    let mut count = |rule| {
+        parameters.stability.rule = rule;
         let features = solid_features(&mesh, &parameters);
         assert_consistent(&features);
         for tree in &features.trees {
@@ -89,6 +90,6 @@ fn modes_differ_as_published() {
     };
     // Neighbouring differences are noise: they let most nodes through.
     let [windowed, paper, baseline] =
-        [Mode::Windowed { window: 0.2 }, Mode::Paper, Mode::Baseline].map(&mut count);
+        [StabilityRule::Windowed, StabilityRule::Paper, StabilityRule::Baseline].map(&mut count);
     assert!(baseline < windowed && windowed < paper, "{baseline} {windowed} {paper}");
 }

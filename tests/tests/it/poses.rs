@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use mser3d::voxelize::Pitch;
 use mser3d::{Features, Parameters};
-use mser3d_shrec11::{NullShape, Overlaps, Transfer, share_above};
+use mser3d_evaluation::{Correspondence, NullShape, Overlaps, share_above};
 use mser3d_tests::{coarse, fixture, mirror, solid_features, vertex_sets};
 
 /// A figure at rest: what its other poses are compared with.
@@ -21,7 +21,7 @@ impl Rest {
         let mesh = fixture(&format!("{figure}_rest.off"));
         let mut parameters = coarse(voxels, eigenpairs);
         let features = solid_features(&mesh, &parameters);
-        parameters.voxelize.pitch = Pitch::Size(features.body.grid().unwrap().frame().spacing()[0]);
+        parameters.voxelize.pitch = Pitch::Size(features.shape.grid().unwrap().frame().spacing()[0]);
         parameters.reference_measure = Some(features.basis.measure());
         let shape = NullShape::new(mesh).with_symmetry(mirror(figure)).unwrap();
         Self { figure, shape, features, parameters }
@@ -30,7 +30,7 @@ impl Rest {
     fn compare(&self, pose: &str, parameters: &Parameters) -> Comparison {
         let mesh = fixture(&format!("{}_{pose}.off", self.figure));
         let found = solid_features(&mesh, parameters);
-        let transfer = Transfer::identity(mesh.vertices().len());
+        let transfer = Correspondence::identity(mesh.vertices().len());
         let (rest, moved) = (vertex_sets(&self.features), vertex_sets(&found));
         let overlaps = Overlaps::new(&self.shape, &rest, &moved, &transfer).unwrap();
         let matched = overlaps.matched(&descriptors(&self.features), &descriptors(&found)).unwrap();

@@ -3,8 +3,9 @@
 use std::ops::ControlFlow;
 
 use mser3d::shape::TriangleMesh;
-use mser3d::{Body, Domain, Error, Features, Stage, Weight, detect, detect_on, find_regions, no_progress};
-use mser3d_tests::{coarse, fixture, solid_features};
+use mser3d::shape::Choice;
+use mser3d::{Detector, DiscreteShape, Error, Features, Input, NO_PROGRESS, Stage, Weight, find_regions};
+use mser3d_tests::{coarse, features, fixture, solid_features};
 
 fn mapped(mesh: &TriangleMesh, map: impl Fn(f64) -> f64) -> TriangleMesh {
     mesh.with_vertices(mesh.vertices().iter().map(|p| p.map(&map)).collect()).unwrap()
@@ -42,7 +43,7 @@ fn any_other_factor_and_a_shift_move_at_most_voxels_whose_centre_is_on_the_surfa
     let parameters = coarse(4000, 40);
     let a = solid_features(&mesh, &parameters);
     let b = solid_features(&mapped(&mesh, |x| 7.0 * x + 100.0), &parameters);
-    assert!(a.body.len().abs_diff(b.body.len()) <= 4, "{} {}", a.body.len(), b.body.len());
+    assert!(a.shape.len().abs_diff(b.shape.len()) <= 4, "{} {}", a.shape.len(), b.shape.len());
     assert_eq!(a.regions.len(), b.regions.len());
     for (a, b) in a.regions.iter().zip(&b.regions) {
         assert!((a.volume_fraction - b.volume_fraction).abs() < 0.002);
@@ -54,31 +55,32 @@ fn any_other_factor_and_a_shift_move_at_most_voxels_whose_centre_is_on_the_surfa
 fn a_spectrum_serves_several_weights() {
     let mesh = fixture("quadruped_rest.off");
     let mut parameters = coarse(4000, 40);
-    let (body, _) = Body::volume(&mesh, &parameters.voxelize).unwrap();
-    let basis = body.spectrum(&parameters.spectrum, &no_progress).unwrap().basis;
-    for weight in [Weight::Heat, Weight::CommuteTime, Weight::HeatEdge] {
+    let (shape, _) = DiscreteShape::volume(&mesh, &parameters.voxelize).unwrap();
+    let basis = shape.spectrum(&parameters.spectrum, NO_PROGRESS).unwrap().basis;
+    for &weight in Weight::ALL {
         parameters.weight = weight;
-        let found = find_regions(&body, &basis, &parameters, &no_progress).unwrap();
+        let found = find_regions(&shape, &basis, &parameters, NO_PROGRESS).unwrap();
         let at_once = solid_features(&mesh, &parameters);
         assert!(found.regions.len() >= 8, "{weight:?}: {}", found.regions.len());
         assert_eq!(found.regions, at_once.regions, "{weight:?}");
         assert_eq!(found.duplicates, at_once.duplicates);
-        let on_body = detect_on(body.clone(), &parameters, &no_progress).unwrap();
-        assert_eq!(on_body.regions, at_once.regions);
-        assert_eq!(on_body.descriptors.values(), at_once.descriptors.values());
+        let again = features(Input::Shape(Box::new(shape.clone())), &parameters);
+        assert_eq!(again.regions, at_once.regions);
+        assert_eq!(again.descriptors.values(), at_once.descriptors.values());
     }
 }
 
 #[test]
 fn any_stage_can_be_cancelled() {
     let mesh = fixture("human_rest.off");
-    for stage in Stage::ALL {
+    for &stage in Stage::ALL {
         let cancel = |p: mser3d::Progress| match p.stage == stage {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         };
-        let error = detect(&mesh, Domain::Volume, &coarse(2000, 20), &cancel).unwrap_err();
-        assert_eq!(error, Error::Cancelled, "{stage:?}");
+        let detector = Detector::new(coarse(2000, 20)).with_progress(&cancel);
+        let error = detector.detect(Input::Volume(&mesh)).err();
+        assert_eq!(error, Some(Error::Cancelled), "{stage:?}");
     }
 }
 
@@ -86,11 +88,12 @@ fn any_stage_can_be_cancelled() {
 fn sizes_beyond_the_range_of_numbers_are_an_error() {
     let mesh = fixture("human_rest.off");
     for factor in [1e-200, 1e-30, 1e30, 1e200] {
-        for domain in [Domain::Volume, Domain::Surface] {
-            let far = mapped(&mesh, |x| factor * x);
-            let error = detect(&far, domain, &coarse(1000, 20), &no_progress).unwrap_err();
+        let far = mapped(&mesh, |x| factor * x);
+        for input in [Input::Volume(&far), Input::Surface(&far)] {
+            let domain = input.domain();
+            let error = Detector::new(coarse(1000, 20)).detect(input).err().unwrap();
             let clear = matches!(error, Error::Scale { .. } | Error::Laplace(_));
-            assert!(clear, "{factor:e} {domain:?}: {error}");
+            assert!(clear, "{factor:e} {domain}: {error}");
         }
     }
 }

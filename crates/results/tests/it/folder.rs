@@ -5,9 +5,9 @@ use std::sync::LazyLock;
 
 use mser3d::shape::TriangleMesh;
 use mser3d::voxelize::Pitch;
-use mser3d::{Domain, Parameters, detect, no_progress};
+use mser3d::{Detector, Input, Parameters};
 use mser3d_meshio::{ReadOptions, read_mesh};
-use mser3d_results::{Match, RenderOptions, Results, Up};
+use mser3d_results::{RegionPair, RenderOptions, Results, Up};
 
 /// A dumbbell: two balls on a bar, around the x axis.
 fn dumbbell() -> TriangleMesh {
@@ -50,7 +50,7 @@ const PATH: &str = "shapes/dumbbell.off";
 
 static VOLUME: LazyLock<Results> = LazyLock::new(|| {
     let mesh = dumbbell();
-    let features = detect(&mesh, Domain::Volume, &parameters(), &no_progress).unwrap();
+    let features = Detector::new(parameters()).detect(Input::Volume(&mesh)).unwrap();
     Results::new(&features, Some(&mesh), PATH).unwrap()
 });
 
@@ -103,11 +103,10 @@ fn regions_name_their_nodes() {
 #[test]
 fn a_surface_and_a_mask_come_back() {
     let mesh = dumbbell();
-    let surface = detect(&mesh, Domain::Surface, &parameters(), &no_progress).unwrap();
+    let surface = Detector::new(parameters()).detect(Input::Surface(&mesh)).unwrap();
     let surface = Results::new(&surface, Some(&mesh), PATH).unwrap();
     let grid = VOLUME.grid.clone().unwrap();
-    let body = mser3d::Body::solid(grid, Default::default());
-    let mask = mser3d::detect_on(body, &parameters(), &no_progress).unwrap();
+    let mask = Detector::new(parameters()).detect(Input::Solid(&grid)).unwrap();
     let mask = Results::new(&mask, None, "").unwrap();
     // The faces of the voxels stand for a mesh, and carry the regions.
     assert!(!mask.record.regions.is_empty() && mask.vertex_region().iter().any(|&l| l >= 0));
@@ -145,8 +144,8 @@ fn what_is_wrong_with_a_folder_is_said() {
 
     let json = folder.path().join("regions.json");
     let good = std::fs::read_to_string(&json).unwrap();
-    std::fs::write(&json, good.replacen("\"format\": 1", "\"format\": 7", 1)).unwrap();
-    assert!(error(folder.path()).contains("in format 7, this program reads format 1"));
+    std::fs::write(&json, good.replacen("\"format\": 2", "\"format\": 7", 1)).unwrap();
+    assert!(error(folder.path()).contains("in format 7, this program reads format 2"));
     std::fs::write(&json, &good[..good.len() / 2]).unwrap();
     assert!(error(folder.path()).contains("regions.json: EOF"));
     std::fs::write(&json, good.replacen("\"tree\": ", "\"tree\": 9", 1)).unwrap();
@@ -157,7 +156,7 @@ fn what_is_wrong_with_a_folder_is_said() {
     let mesh = dumbbell();
     let mut small = parameters();
     small.voxelize.pitch = Pitch::Voxels(1000);
-    let other = detect(&mesh, Domain::Volume, &small, &no_progress).unwrap();
+    let other = Detector::new(small).detect(Input::Volume(&mesh)).unwrap();
     let other_folder = tempfile::tempdir().unwrap();
     Results::new(&other, Some(&mesh), PATH).unwrap().write(other_folder.path()).unwrap();
     let arrays = "features.npz";
@@ -179,21 +178,21 @@ fn what_is_wrong_with_a_folder_is_said() {
 #[test]
 fn matched_regions_are_linked() {
     let results = &*VOLUME;
-    let matches = [Match { first: 0, second: 1, distance: 0.25 }];
+    let matches = [RegionPair { first: 0, second: 1, distance: 0.25 }];
     let colours = mser3d_results::matched_colours(results, results, &matches);
     assert_eq!(colours[1], results.colours()[0]);
     let html = results.match_page(results, &matches, "pair", Up::Y).unwrap();
     assert!(html.contains("\"matches\":[[0,1,0.25]]"));
     let options = RenderOptions { height: 60, ..Default::default() };
     results.match_sheet(results, &matches, &options).unwrap();
-    let beyond = [Match { first: 0, second: 999, distance: 0.25 }];
+    let beyond = [RegionPair { first: 0, second: 999, distance: 0.25 }];
     assert!(results.match_page(results, &beyond, "pair", Up::Y).is_err());
 }
 
 #[test]
 fn features_of_another_mesh_are_refused() {
     let mesh = dumbbell();
-    let features = detect(&mesh, Domain::Surface, &parameters(), &no_progress).unwrap();
+    let features = Detector::new(parameters()).detect(Input::Surface(&mesh)).unwrap();
     let other = TriangleMesh::new(mesh.vertices()[1..].to_vec(), vec![[0, 1, 2]]).unwrap();
     let error = Results::new(&features, Some(&other), PATH).unwrap_err();
     assert!(error.to_string().starts_with("the mesh has 1417 vertices, but the features"), "{error}");

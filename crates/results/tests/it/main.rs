@@ -1,0 +1,11 @@
+//! Folders give back what was written, and the example runs.
+
+#[path = "../../examples/mesh_to_page.rs"]
+#[allow(dead_code)]
+mod example;
+mod folder;
+
+#[test]
+fn the_example_runs() {
+    example::main().unwrap();
+}

@@ -1,0 +1,6 @@
+//! Facts of the whole pipeline, on the shapes of the folder `fixtures` and on real ones.
+
+mod invariance;
+mod methods;
+mod poses;
+mod real_shapes;
