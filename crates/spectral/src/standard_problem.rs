@@ -4,11 +4,12 @@ use mser3d_laplace::Operator;
 use mser3d_shape::{Domain, Eigenbasis};
 
 use crate::SpectralError;
-use crate::tall::{Block, LANES, Lanes, Tall};
-use rayon::prelude::*;
+use crate::block_matrix::BlockMatrix;
+use crate::kernels::{Block, LANES, Lanes};
+use crate::null_space::NullSpace;
 
-/// Rows that a thread sums up at a time.
-const ROWS: usize = 1 << 13;
+/// An eigenvalue below minus this, relative to the bound of the spectrum, is negative and no rounding error.
+pub(crate) const NEGATIVE: f64 = 1e-10;
 
 /// `W phi = lambda M phi` as the standard problem `A x = lambda x`, `A = M^(-1/2) W M^(-1/2)`,
 /// `x = M^(1/2) phi`, over the rows that have mass.
@@ -17,7 +18,7 @@ pub(crate) struct StandardProblem {
     pub active: Vec<u32>,
     /// M^(1/2) of each row.
     pub root_mass: Vec<f64>,
-    /// A by rows (it is symmetric): start of each row, columns ascending, values.
+    /// A by rows (it is symmetric): start of each row, columns ascending with the diagonal among them, values.
     pub starts: Vec<usize>,
     pub columns: Vec<usize>,
     pub values: Vec<f64>,
@@ -26,6 +27,8 @@ pub(crate) struct StandardProblem {
     pub unit_eigenvalue: f64,
     /// 3 of a volume, 2 of a surface.
     pub dimension: u32,
+    /// No eigenvalue lies below this if A is positive semidefinite: 0, or more by Gershgorin's circles.
+    pub lower_bound: f64,
 }
 
 /// `V^(-2/3)` of a volume, `1/A` of a surface.
@@ -43,22 +46,69 @@ impl StandardProblem {
         }
         let root_mass: Vec<f64> = active.iter().map(|&v| operator.mass()[v as usize].sqrt()).collect();
         let (mut starts, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
+        let mut lower_bound = f64::INFINITY;
         for (at, &v) in active.iter().enumerate() {
-            if let Some(row) = operator.stiffness().outer_view(v as usize) {
-                for (u, &w) in row.iter().filter(|&(u, _)| position[u] != usize::MAX) {
-                    columns.push(position[u]);
-                    values.push(w / (root_mass[at] * root_mass[position[u]]));
+            let entries = operator.stiffness().outer_view(v as usize);
+            let entries = entries.iter().flat_map(|row| row.iter()).map(|(u, &w)| (position[u], w));
+            let (mut diagonal, mut rest) = (None, 0.0);
+            for (u, w) in entries.filter(|&(u, _)| u != usize::MAX) {
+                let value = w / (root_mass[at] * root_mass[u]);
+                if u > at && diagonal.is_none() {
+                    // A shift needs a place, in a row of zeros too.
+                    diagonal = Some(0.0);
+                    columns.push(at);
+                    values.push(0.0);
                 }
+                match u == at {
+                    true => diagonal = Some(value),
+                    false => rest += value.abs(),
+                }
+                columns.push(u);
+                values.push(value);
             }
+            if diagonal.is_none() {
+                columns.push(at);
+                values.push(0.0);
+            }
+            lower_bound = f64::min(lower_bound, diagonal.unwrap_or(0.0) - rest);
             starts.push(columns.len());
         }
         let parts = operator.components();
         let labels: Vec<u32> = active.iter().map(|&v| parts.labels[v as usize]).collect();
-        let null_space = NullSpace::new(&labels, &root_mass);
+        let mut sums_to_zero = vec![true; parts.len()];
+        for (row, &label) in parts.labels.iter().enumerate() {
+            sums_to_zero[label as usize] &= operator.sums_to_zero(row);
+        }
+        let null_space = NullSpace::new(&labels, &root_mass, |label| sums_to_zero[label as usize]);
+        if null_space.len() > 0 || !lower_bound.is_finite() {
+            lower_bound = 0.0;
+        }
+        let lower_bound = lower_bound.max(0.0);
         let measure: f64 = operator.mass().iter().sum();
         let dimension = operator.domain().dimension();
         let unit_eigenvalue = unit_eigenvalue(operator.domain(), measure);
-        Self { active, root_mass, starts, columns, values, null_space, unit_eigenvalue, dimension }
+        Self {
+            active,
+            root_mass,
+            starts,
+            columns,
+            values,
+            null_space,
+            unit_eigenvalue,
+            dimension,
+            lower_bound,
+        }
+    }
+
+    /// Whether `eigenvalue`, at or above the smallest one, leaves room for a positive semidefinite operator.
+    ///
+    /// # Errors
+    /// [`SpectralError::Indefinite`] if it is negative beyond rounding.
+    pub fn check_semidefinite(&self, eigenvalue: f64) -> Result<(), SpectralError> {
+        if eigenvalue < -NEGATIVE * self.bound() {
+            return Err(SpectralError::Indefinite { eigenvalue });
+        }
+        Ok(())
     }
 
     pub fn len(&self) -> usize {
@@ -90,15 +140,16 @@ impl StandardProblem {
         &self,
         operator: &Operator,
         values: &[f64],
-        vectors: &Tall,
+        vectors: &BlockMatrix,
         count: usize,
     ) -> Result<Eigenbasis, SpectralError> {
         let zeros = self.null_space.len().min(count);
         let mut functions = vec![0.0; operator.len() * count];
         for (at, &v) in self.active.iter().enumerate() {
             let target = &mut functions[v as usize * count..(v as usize + 1) * count];
-            if let Some(constant) = target[..zeros].get_mut(self.null_space.label(at)) {
-                *constant = self.null_space.constant(at);
+            if let Some((label, constant)) = self.null_space.constant(at).filter(|&(label, _)| label < zeros)
+            {
+                target[label] = constant;
             }
             for (i, t) in target[zeros..].iter_mut().enumerate() {
                 *t = vectors.at(at, i) / self.root_mass[at];
@@ -108,123 +159,4 @@ impl StandardProblem {
         Eigenbasis::new(operator.domain(), operator.mass().to_vec(), eigenvalues.collect(), functions)
             .map_err(|_| SpectralError::Overflow)
     }
-}
-
-/// The null space of A, known in advance: one vector M^(1/2) for each component.
-#[derive(Clone, Debug)]
-pub(crate) struct NullSpace {
-    labels: Vec<u32>,
-    /// M^(1/2) on its component, normalized: the entry of the null vector at each row.
-    entries: Vec<f64>,
-    /// 1 / sqrt(measure) of each component: the value of its constant eigenfunction.
-    constants: Vec<f64>,
-    /// Eigenvectors that are known and shall not be found again.
-    known: Option<Tall>,
-}
-
-impl NullSpace {
-    /// From the component of each row (any numbers) and M^(1/2).
-    pub fn new(labels: &[u32], root_mass: &[f64]) -> Self {
-        // Number the components by their first row.
-        let mut number = vec![u32::MAX; labels.iter().max().map_or(0, |&m| m as usize + 1)];
-        let mut measures: Vec<f64> = Vec::new();
-        let mut renumbered = Vec::with_capacity(labels.len());
-        for (&label, root) in labels.iter().zip(root_mass) {
-            let slot = &mut number[label as usize];
-            if *slot == u32::MAX {
-                *slot = measures.len() as u32;
-                measures.push(0.0);
-            }
-            measures[*slot as usize] += root * root;
-            renumbered.push(*slot);
-        }
-        let constants: Vec<f64> = measures.iter().map(|m| 1.0 / m.sqrt()).collect();
-        let entries = renumbered.iter().zip(root_mass).map(|(&c, root)| root * constants[c as usize]);
-        Self { entries: entries.collect(), labels: renumbered, constants, known: None }
-    }
-
-    /// With eigenvectors that take no part either.
-    pub fn and(&self, known: &Tall) -> Self {
-        Self { known: Some(known.clone()), ..self.clone() }
-    }
-
-    /// Columns of the eigenvectors that take no part.
-    pub fn known_columns(&self) -> usize {
-        self.known.as_ref().map_or(0, |known| known.blocks().len() * LANES)
-    }
-
-    /// Dimension: the number of components.
-    pub fn len(&self) -> usize {
-        self.constants.len()
-    }
-
-    /// Rows of the null vectors.
-    pub fn rows(&self) -> usize {
-        self.labels.len()
-    }
-
-    pub fn label(&self, row: usize) -> usize {
-        self.labels[row] as usize
-    }
-
-    pub fn constant(&self, row: usize) -> f64 {
-        self.constants[self.labels[row] as usize]
-    }
-
-    /// Makes the columns orthogonal to the null space and to what else takes no part.
-    pub fn project_out(&self, columns: &mut Tall) {
-        if let Some(known) = &self.known {
-            let all = 0..known.blocks().len();
-            let overlaps = known.gram(all.clone(), columns);
-            columns.subtract(known, all, overlaps.as_ref());
-        }
-        for block in columns.blocks_mut() {
-            let parts = (block.par_chunks(ROWS), self.labels.par_chunks(ROWS), self.entries.par_chunks(ROWS));
-            let partial = |(rows, labels, entries): (&[Lanes], &[u32], &[f64])| {
-                let mut sums = vec![[0.0; LANES]; self.len()];
-                for ((lanes, &label), entry) in rows.iter().zip(labels).zip(entries) {
-                    (0..LANES).for_each(|l| sums[label as usize][l] += entry * lanes.0[l]);
-                }
-                sums
-            };
-            let partials: Vec<Vec<[f64; LANES]>> = parts.into_par_iter().map(partial).collect();
-            let mut sums = vec![[0.0; LANES]; self.len()];
-            for (sum, part) in partials.iter().flat_map(|part| part.iter().enumerate()) {
-                (0..LANES).for_each(|l| sums[sum][l] += part[l]);
-            }
-            let parts =
-                (block.par_chunks_mut(ROWS), self.labels.par_chunks(ROWS), self.entries.par_chunks(ROWS));
-            parts.into_par_iter().for_each(|(rows, labels, entries)| {
-                for ((lanes, &label), entry) in rows.iter_mut().zip(labels).zip(entries) {
-                    (0..LANES).for_each(|l| lanes.0[l] -= entry * sums[label as usize][l]);
-                }
-            });
-        }
-    }
-}
-
-/// All eigenpairs of a small problem by a dense solver.
-pub(crate) fn dense_eigenpairs(problem: &StandardProblem) -> Result<(Vec<f64>, Tall), SpectralError> {
-    let n = problem.len();
-    let mut matrix = faer::Mat::<f64>::zeros(n, n);
-    for row in 0..n {
-        for at in problem.starts[row]..problem.starts[row + 1] {
-            matrix[(row, problem.columns[at])] = problem.values[at];
-        }
-    }
-    // Lift the null space above everything else, so that it cannot mix with small eigenvalues.
-    let lift = 2.0 * problem.bound().max(f64::MIN_POSITIVE);
-    let null = &problem.null_space;
-    for i in 0..n {
-        for j in 0..n {
-            if null.label(i) == null.label(j) {
-                matrix[(i, j)] += lift * null.entries[i] * null.entries[j];
-            }
-        }
-    }
-    let (values, vectors) = crate::tall::small_eigen(&matrix).ok_or(SpectralError::Overflow)?;
-    let rest = n - null.len();
-    let mut tall = Tall::zeros(n, rest);
-    tall.fill(rest, |row, column| vectors[(row, column)]);
-    Ok((values[..rest].iter().map(|v| v.max(0.0)).collect(), tall))
 }
