@@ -1,3 +1,4 @@
+use mser3d_shape::vector::{dot, sub};
 use mser3d_shape::{Domain, TriangleMesh};
 use sprs::{CsMat, TriMat};
 
@@ -5,10 +6,22 @@ use crate::{LaplaceError, Operator};
 
 /// The cotangent Laplacian of a mesh with lumped (barycentric) masses, section 3.1 (Pinkall & Polthier 1993).
 ///
-/// W_uv = -(cot a + cot b)/2 over the angles opposite to edge uv, the diagonal is minus the row's
-/// sum, and M_v is a third of the area of the triangles around v. W is the sum of the linear finite
+/// W_uv = -(cot a + cot b)/2 over the angles opposite to edge uv, the diagonal is minus the sum of the row's other
+/// entries, and M_v is a third of the area of the triangles around v. W is the sum of the linear finite
 /// elements' matrices, so it is positive semidefinite on any mesh: open, non-manifold (an edge sums
 /// over all its triangles) or badly oriented.
+///
+/// ```
+/// use mser3d_laplace::cotangent_laplacian;
+/// use mser3d_shape::TriangleMesh;
+///
+/// // An equilateral triangle: each edge is opposite to one angle of 60 degrees.
+/// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.75f64.sqrt(), 0.0]];
+/// let operator = cotangent_laplacian(&TriangleMesh::new(corners, vec![[0, 1, 2]])?)?;
+/// let weight = operator.stiffness().get(0, 1).copied().unwrap_or(0.0);
+/// assert!((weight + 0.5 / 3f64.sqrt()).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// A triangle whose area is below 1e-14 of its longest edge squared counts as degenerate and adds
 /// nothing; a vertex with only such triangles, or none, has no mass and takes no part.
@@ -22,10 +35,7 @@ pub fn cotangent_laplacian(mesh: &TriangleMesh) -> Result<Operator, LaplaceError
     let mut degenerate = 0;
     for (t, triangle) in mesh.triangles().iter().enumerate() {
         let corners = mesh.corners(t);
-        let edge = |i: usize| -> [f64; 3] {
-            let (p, q) = (corners[(i + 1) % 3], corners[(i + 2) % 3]);
-            std::array::from_fn(|a| q[a] - p[a])
-        };
+        let edge = |i: usize| -> [f64; 3] { sub(corners[(i + 2) % 3], corners[(i + 1) % 3]) };
         let edges: [[f64; 3]; 3] = std::array::from_fn(edge); // edge i lies opposite to corner i
         let area = mesh.triangle_area(t);
         let longest = edges.iter().map(|e| dot(*e, *e)).fold(0.0, f64::max);
@@ -74,8 +84,4 @@ fn symmetrize(matrix: &mut CsMat<f64>) {
             }
         }
     }
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

@@ -7,9 +7,9 @@ use crate::{Operator, stencil::face_neighbours};
 ///
 /// In the paper's form L_uv = -1/h_a^2 for voxels linked along axis a; here W = M L with
 /// M = (voxel volume) I, so W_uv = -(voxel volume)/h_a^2 (for cubes -h) and the diagonal is minus
-/// the row's sum. Only *linked* neighbours count.
+/// the sum of the row's other entries. Only *linked* neighbours count.
 ///
-/// Cost: about 13 numbers a voxel, linear time.
+/// Cost: at most 16 numbers a voxel, linear time.
 pub fn grid_laplacian(grid: &VoxelGrid) -> Operator {
     let n = grid.len();
     let volume = grid.frame().voxel_volume();

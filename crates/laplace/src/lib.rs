@@ -3,10 +3,10 @@
 //! Both the paper's volume operator (section 3.2: 7-point stencil, Neumann boundary) and its surface
 //! operator (section 3.1: cotangents) become one [`Operator`]: a sparse symmetric positive
 //! semidefinite stiffness W and a diagonal mass M with `W phi = lambda M phi`. From here on nothing
-//! knows whether it came from voxels or from triangles.
+//! knows whether it came from voxels or from triangles. Matrices of your own become one by [`Operator::new`].
 //!
 //! * [`grid_laplacian`] and [`cotangent_laplacian`] assemble W as a [`sprs`] matrix.
-//! * [`GridStencil`] applies the same grid operator without a matrix, for iterative solvers.
+//! * [`GridStencil`] is the same grid operator without a matrix: neighbours and weights, for iterative solvers.
 //! * [`aggregate_grid`] makes a coarser operator of the same solid, for estimates and starting vectors.
 //!
 //! ```
@@ -22,8 +22,8 @@
 //! # Ok::<(), mser3d_shape::ShapeError>(())
 //! ```
 //!
-//! Limits: the voxel operator is the 6-neighbour one whatever the connectivity of the tree; meshes
-//! get linear elements with lumped masses, without a Delaunay flip.
+//! Limits: the voxel operator joins face neighbours only; meshes get linear elements with lumped masses, without
+//! Delaunay flips.
 
 mod aggregate;
 mod cotangent;
@@ -34,5 +34,11 @@ mod stencil;
 pub use aggregate::{Aggregation, aggregate_grid};
 pub use cotangent::cotangent_laplacian;
 pub use grid::grid_laplacian;
+pub use mser3d_shape as shape;
 pub use operator::{LaplaceError, Operator};
+pub use sprs;
 pub use stencil::GridStencil;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}

@@ -1,16 +1,41 @@
 use mser3d_shape::{Components, Domain, Graph};
 use sprs::CsMat;
 
-/// The generalized eigenproblem `W phi = lambda M phi` of a shape's Laplacian, sections 3.1 and 3.2.
+/// The generalized eigenproblem `W phi = lambda M phi`: a symmetric stiffness W and a diagonal mass M.
 ///
-/// W is symmetric and positive semidefinite with zero row sums; M is diagonal. A row without mass
-/// (a vertex that no triangle with area touches) has no stiffness either and takes no part.
+/// The Laplacians of this crate (sections 3.1 and 3.2 of the paper) are positive semidefinite, and their rows sum to
+/// zero. [`Operator::new`] takes any symmetric matrix: a Dirichlet Laplacian, a Laplacian plus a potential, the
+/// matrices of other finite elements with lumped masses. A row without mass (a vertex that no triangle with area
+/// touches) has no stiffness either and takes no part.
+///
+/// ```
+/// use mser3d_laplace::{Operator, sprs::TriMat};
+/// use mser3d_shape::Domain;
+///
+/// // A rod of three cells of length 1, held at 0 at both ends.
+/// let mut stiffness = TriMat::new((3, 3));
+/// for i in 0..3 {
+///     stiffness.add_triplet(i, i, if i == 1 { 2.0 } else { 3.0 });
+/// }
+/// for i in 0..2 {
+///     stiffness.add_triplet(i, i + 1, -1.0);
+///     stiffness.add_triplet(i + 1, i, -1.0);
+/// }
+/// let rod = Operator::new(Domain::Volume, stiffness.to_csc(), vec![1.0; 3])?;
+/// assert!(rod.is_known_semidefinite());
+/// assert_eq!([0, 1, 2].map(|row| rod.sums_to_zero(row)), [false, true, false]);
+/// # Ok::<(), mser3d_laplace::LaplaceError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Operator {
     domain: Domain,
     stiffness: CsMat<f64>,
     mass: Vec<f64>,
+    known_semidefinite: bool,
 }
+
+/// Sums of a row count as zero up to this part of its absolute values' sum: rounding errors of assembly.
+const ROUNDING: f64 = 1e-13;
 
 /// Why a shape has no Laplacian.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -26,9 +51,9 @@ pub enum LaplaceError {
         /// Entries of the mass.
         masses: usize,
     },
-    /// A stiffness matrix that is not the symmetric matrix of a Laplacian, or masses that are not masses.
-    #[error("not a Laplacian: {reason} (row {row})")]
-    NotALaplacian {
+    /// A stiffness matrix that is not symmetric or not finite, or masses that are not masses.
+    #[error("not an operator: {reason} (row {row})")]
+    InvalidOperator {
         /// What is wrong.
         reason: &'static str,
         /// The first row where it is.
@@ -45,20 +70,24 @@ pub enum LaplaceError {
 }
 
 impl Operator {
-    /// An operator from its stiffness (n x n, length^(d-2)) and mass (n, length^d).
+    /// An operator from its stiffness W (n x n, units length^(d-2)) and the diagonal of its mass M (n, length^d).
+    ///
+    /// W may be compressed by rows or by columns. It need not be positive semidefinite here; the eigensolvers of
+    /// `mser3d-spectral` refuse it if it is not.
     ///
     /// # Errors
-    /// [`LaplaceError::SizeMismatch`]; [`LaplaceError::NotALaplacian`] for entries that are not
-    /// finite, not symmetric, rows that do not sum to zero, negative masses, or stiffness without mass.
+    /// [`LaplaceError::SizeMismatch`]; [`LaplaceError::InvalidOperator`] for a stiffness that is not finite or not
+    /// symmetric to the last bit, for masses that are negative or not finite, and for stiffness without mass.
     pub fn new(domain: Domain, stiffness: CsMat<f64>, mass: Vec<f64>) -> Result<Self, LaplaceError> {
         let (rows, columns) = stiffness.shape();
         if rows != mass.len() || columns != mass.len() {
             return Err(LaplaceError::SizeMismatch { rows, columns, masses: mass.len() });
         }
         let stiffness = stiffness.into_csc();
+        let mut known_semidefinite = true;
         for (row, vector) in stiffness.outer_iterator().enumerate() {
-            let fail = |reason| Err(LaplaceError::NotALaplacian { reason, row });
-            let (mut sum, mut size) = (0.0, 0.0f64);
+            let fail = |reason| Err(LaplaceError::InvalidOperator { reason, row });
+            let (mut diagonal, mut rest) = (0.0, 0.0f64);
             for (column, &value) in vector.iter() {
                 if !value.is_finite() {
                     return fail("the stiffness is not finite");
@@ -67,25 +96,25 @@ impl Operator {
                 if mirror != value {
                     return fail("the stiffness is not symmetric");
                 }
-                sum += value;
-                size += value.abs();
-            }
-            if sum.abs() > 1e-9 * size {
-                return fail("the stiffness does not sum to zero");
+                match column == row {
+                    true => diagonal = value,
+                    false => rest += value.abs(),
+                }
             }
             if !(mass[row].is_finite() && mass[row] >= 0.0) {
                 return fail("the mass is negative or not finite");
             }
-            if mass[row] == 0.0 && size > 0.0 {
+            if mass[row] == 0.0 && (diagonal != 0.0 || rest > 0.0) {
                 return fail("there is stiffness but no mass");
             }
+            known_semidefinite &= diagonal - rest >= -ROUNDING * rest;
         }
-        Ok(Self { domain, stiffness, mass })
+        Ok(Self { domain, stiffness, mass, known_semidefinite })
     }
 
-    /// For assemblies in this crate, which are right by construction.
+    /// For the Laplacians of this crate, which are right by construction.
     pub(crate) fn assembled(domain: Domain, stiffness: CsMat<f64>, mass: Vec<f64>) -> Self {
-        Self { domain, stiffness, mass }
+        Self { domain, stiffness, mass, known_semidefinite: true }
     }
 
     /// Volume or surface.
@@ -113,6 +142,24 @@ impl Operator {
         &self.mass
     }
 
+    /// Whether W is known to be positive semidefinite, to rounding: a Laplacian of this crate, or a matrix whose
+    /// diagonal is at least the sum of its row's other absolute values (Gershgorin). Others may be or not.
+    pub fn is_known_semidefinite(&self) -> bool {
+        self.known_semidefinite
+    }
+
+    /// Whether a row of W sums to zero, to rounding. Where all rows of a component do, the constant is an
+    /// eigenfunction of it with eigenvalue 0.
+    pub fn sums_to_zero(&self, row: usize) -> bool {
+        let (mut sum, mut size, mut entries) = (0.0, 0.0, 0);
+        for &value in self.stiffness.outer_view(row).iter().flat_map(|v| v.data()) {
+            (sum, size, entries) = (sum + value, size + value.abs(), entries + 1);
+        }
+        let rounding = ROUNDING.max(4.0 * f64::from(entries) * f64::EPSILON);
+        // A sum that overflows to no number is no sign of a boundary.
+        sum.is_nan() || sum.abs() <= rounding * size
+    }
+
     /// The operator on some rows, ascending, that are not linked to any others: one or more whole components.
     pub fn restrict(&self, rows: &[u32]) -> Self {
         let mut position = vec![usize::MAX; self.len()];
@@ -129,11 +176,13 @@ impl Operator {
         }
         let n = rows.len();
         let mass = rows.iter().map(|&row| self.mass[row as usize]).collect();
-        Self { domain: self.domain, stiffness: CsMat::new_csc((n, n), starts, columns, values), mass }
+        let stiffness = CsMat::new_csc((n, n), starts, columns, values);
+        Self { domain: self.domain, stiffness, mass, known_semidefinite: self.known_semidefinite }
     }
 
-    /// The connected components of the rows; their number is the number of zero eigenvalues, rows
-    /// without mass apart.
+    /// The connected components of the rows. Rows without mass are components of their own.
+    ///
+    /// Of a Laplacian, 0 is an eigenvalue as often as there are components with mass.
     pub fn components(&self) -> Components {
         let edges: Vec<[u32; 2]> = self
             .stiffness

@@ -1,8 +1,8 @@
 //! Chebyshev polynomials of the grid Laplacian, applied to blocks of vectors without a matrix.
 
+use crate::kernels::Lanes;
 use crate::stencil::{SlicedStencil, Step};
-use crate::tall::Lanes;
-use crate::waves::{self, Tiling};
+use crate::temporal_blocking::{self, Tiling};
 
 /// A Chebyshev polynomial of degree `degree` in A, small on `[cutoff, bound]` and scaled to 1 at `target`.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +36,7 @@ impl Polynomial {
             if cancelled() {
                 return;
             }
-            waves::run(stencil, tiling, parts, steps, first, second);
+            temporal_blocking::run(stencil, tiling, parts, steps, first, second);
             if steps.len() % 2 == 1 {
                 std::mem::swap(&mut first, &mut second);
             }
@@ -61,7 +61,7 @@ impl Polynomial {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tall::LANES;
+    use crate::kernels::LANES;
     use mser3d_shape::{BitGrid, Frame, VoxelGrid};
 
     #[test]

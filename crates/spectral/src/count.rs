@@ -1,42 +1,37 @@
 //! How many eigenvalues lie below a bound, without computing any.
 
 use mser3d_laplace::Operator;
+use mser3d_shape::InvalidParameter;
 
 use crate::SpectralError;
-use crate::factor::Elimination;
-use crate::solve::check_memory;
-use crate::standard::StandardProblem;
+use crate::elimination::Elimination;
+use crate::limits::check_memory;
+use crate::standard_problem::StandardProblem;
 
 /// Relative changes of the bound that are tried, one by one, where a factorization breaks down.
 const NUDGES: [f64; 7] = [0.0, 1e-6, -1e-6, 3e-6, -3e-6, 1e-5, -1e-5];
 
 /// The number of eigenvalues of `W phi = lambda M phi` below `bound` (length^-2), zero modes included: tells
-/// whether a computed spectrum is complete.
+/// whether a computed spectrum is complete. Negative eigenvalues count as well.
 ///
 /// By Sylvester's law of inertia it is the number of negative entries of the D of
 /// `A - bound I = L D L^T`, `A = M^(-1/2) W M^(-1/2)`. Choose the bound in a gap of the spectrum: eigenvalues within
 /// 10^-5 of it, relative, may count or not, as rounding has it.
 ///
-/// Cost: a sparse factorization, of a solid with n voxels about n^2 flops and 20 n^(4/3) numbers. Larger ones than
-/// `memory_limit` bytes are refused.
+/// Cost: a sparse factorization; for a solid with n voxels about n^2 flops and 20 n^(4/3) numbers. Work that needs
+/// more than `memory_limit` bytes is refused.
 ///
 /// # Errors
-/// [`SpectralError::BadParameter`] for a bound that is no number, [`SpectralError::TooMuchMemory`],
+/// [`SpectralError::InvalidParameter`] for a bound that is not finite, [`SpectralError::TooMuchMemory`],
 /// [`SpectralError::NotFactored`].
 pub fn count_below(
     operator: &Operator,
     bound: f64,
     memory_limit: Option<u64>,
 ) -> Result<usize, SpectralError> {
-    if !bound.is_finite() {
-        return Err(SpectralError::BadParameter {
-            name: "bound",
-            value: bound.to_string(),
-            expected: "a finite number",
-        });
-    }
+    InvalidParameter::unless(bound.is_finite(), "bound", bound, "a finite number")?;
     let problem = StandardProblem::new(operator);
-    if bound <= 0.0 || problem.len() == 0 {
+    if problem.len() == 0 || bound <= 0.0 && operator.is_known_semidefinite() {
         return Ok(0);
     }
     let elimination = Elimination::new(&problem)?;

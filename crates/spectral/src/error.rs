@@ -1,17 +1,12 @@
+use mser3d_shape::InvalidParameter;
+
 /// Why there is no spectrum.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SpectralError {
     /// A parameter out of its range.
-    #[error("spectrum: {name} is {value}, but must be {expected}")]
-    BadParameter {
-        /// The field of the parameters.
-        name: &'static str,
-        /// Its value.
-        value: String,
-        /// The values allowed.
-        expected: &'static str,
-    },
+    #[error(transparent)]
+    InvalidParameter(#[from] InvalidParameter),
     /// More eigenpairs than the operator has.
     #[error(
         "{requested} eigenpairs asked of an operator that has only {available}; ask for fewer, or use a finer grid"
@@ -54,10 +49,19 @@ pub enum SpectralError {
         /// The tolerance.
         tolerance: f64,
     },
-    /// The factorization broke down: the operator is not positive semidefinite, or memory ran out.
+    /// The operator has a negative eigenvalue.
     #[error(
-        "the factorization broke down at shift {shift:.3e}; the operator is not positive semidefinite \
-         (is the mesh full of slivers? remesh it), or memory ran out"
+        "the operator has a negative eigenvalue ({eigenvalue:.3e} or less), but must be positive semidefinite; \
+         remesh a mesh with slivers, or add a multiple of the mass to a stiffness of your own"
+    )]
+    Indefinite {
+        /// The smallest eigenvalue is this or less, in length^-2.
+        eigenvalue: f64,
+    },
+    /// The factorization broke down: a pivot was too small, or memory ran out.
+    #[error(
+        "the factorization broke down at shift {shift:.3e}: memory ran out, or rounding errors grew too large \
+         (is the mesh full of slivers? remesh it)"
     )]
     NotFactored {
         /// The shift that was subtracted.

@@ -1,145 +1,13 @@
-//! Sparse `L D L^T` of `A - sigma I` (faer's supernodal factorization, AMD ordering), solves on blocks of
-//! eight columns, and the inertia.
+//! The factor `L D L^T` of a shifted matrix: solves on blocks of eight columns, and the inertia.
 //!
 //! The solves are our own: a row of a block is one vector register, so a supernode's columns become
 //! fused multiply-adds without gathering rows into a dense matrix first.
 
-use std::ops::RangeInclusive;
-
-use faer::Par;
-use faer::Side;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
-use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::supernodal::SupernodalLdltRef;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
-    factorize_symbolic_cholesky,
-};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::sparse::linalg::cholesky::{SymbolicCholesky, SymbolicCholeskyRaw};
 use pulp::{Simd, WithSimd};
 
-use crate::SpectralError;
-use crate::standard::StandardProblem;
-use crate::tall::{LANES, Lanes};
-
-/// Factorizations spent on finding a shift.
-const TRIALS: usize = 6;
-
-/// The order of elimination and the pattern of L: the same for all shifts.
-pub(crate) struct Elimination<'a> {
-    problem: &'a StandardProblem,
-    symbolic: SymbolicCholesky<usize>,
-}
-
-impl<'a> Elimination<'a> {
-    /// # Errors
-    /// [`SpectralError::NotFactored`] if memory runs out.
-    pub fn new(problem: &'a StandardProblem) -> Result<Self, SpectralError> {
-        let n = problem.len();
-        let pattern = SymbolicSparseColMatRef::new_checked(n, n, &problem.starts, None, &problem.columns);
-        let parameters = CholeskySymbolicParams {
-            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
-            ..Default::default()
-        };
-        let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, SymmetricOrdering::Amd, parameters)
-            .map_err(|_| SpectralError::NotFactored { shift: 0.0 })?;
-        Ok(Self { problem, symbolic })
-    }
-
-    /// Entries of L: numbers that a factor holds.
-    pub fn len(&self) -> usize {
-        self.symbolic.len_val()
-    }
-
-    /// Looks for a shift with about `target` non-zero eigenvalues below it, a number in `near`.
-    pub fn search(&self, target: f64, near: RangeInclusive<f64>) -> Search<'_> {
-        let problem = self.problem;
-        // Weyl's law of a surface or a solid, to begin with; then the secant of the logarithms.
-        let pi = std::f64::consts::PI;
-        let mut exponent = 2.0 / f64::from(problem.dimension);
-        let constant = if problem.dimension == 2 { 4.0 * pi } else { 6.0 * pi * pi };
-        let mut sigma = problem.unit_eigenvalue * (constant * target).powf(exponent);
-        let (mut too_low, mut too_high) = (0.0, f64::INFINITY);
-        let mut before: Option<(f64, f64)> = None;
-        for _ in 0..TRIALS {
-            let Ok(factor) = self.factor(sigma) else { break };
-            let below = factor.negative_pivots().saturating_sub(problem.null_space.len());
-            if near.contains(&(below as f64)) {
-                return Search::Found { factor, sigma, below };
-            }
-            // Half an eigenvalue more, as the count may be 0.
-            let (count, shift) = ((below as f64 + 0.5).ln(), sigma.ln());
-            if let Some((old_count, old_shift)) = before.filter(|old| old.0 != count) {
-                exponent = ((shift - old_shift) / (count - old_count)).clamp(0.1, 3.0);
-            }
-            before = Some((count, shift));
-            if (below as f64) < target {
-                too_low = sigma
-            } else {
-                too_high = sigma
-            }
-            sigma = (shift + exponent * (target.ln() - count)).exp();
-            if sigma <= too_low || sigma >= too_high {
-                sigma = (too_low * too_high).sqrt();
-            }
-        }
-        Search::Failed { too_high }
-    }
-
-    /// Factors `A - sigma I`.
-    ///
-    /// There is no pivoting: a shift very near an eigenvalue of a leading submatrix makes a pivot tiny and
-    /// the others huge. That is an error too, as the inverse and the inertia would be wrong; another shift will do.
-    ///
-    /// # Errors
-    /// [`SpectralError::NotFactored`].
-    pub fn factor(&self, sigma: f64) -> Result<Factor<'_>, SpectralError> {
-        let problem = self.problem;
-        let n = problem.len();
-        let broken = || SpectralError::NotFactored { shift: sigma };
-        let mut values = problem.values.clone();
-        for row in 0..n {
-            for at in problem.starts[row]..problem.starts[row + 1] {
-                if problem.columns[at] == row {
-                    values[at] -= sigma;
-                }
-            }
-        }
-        let pattern = SymbolicSparseColMatRef::new_checked(n, n, &problem.starts, None, &problem.columns);
-        let mut factor = vec![0.0; self.symbolic.len_val()];
-        let scratch = self.symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default());
-        let mut memory = MemBuffer::try_new(scratch).map_err(|_| broken())?;
-        self.symbolic
-            .factorize_numeric_ldlt(
-                &mut factor,
-                SparseColMatRef::new(pattern, &values),
-                Side::Lower,
-                LdltRegularization::default(),
-                Par::Seq,
-                MemStack::new(&mut memory),
-                Default::default(),
-            )
-            .map_err(|_| broken())?;
-        let factor = Factor { symbolic: &self.symbolic, values: factor };
-        if factor.largest_term() <= MOST_GROWTH * (problem.bound() + sigma.abs()) {
-            Ok(factor)
-        } else {
-            Err(broken())
-        }
-    }
-}
-
-/// What the search for a shift came to.
-pub(crate) enum Search<'a> {
-    /// The shift, the factor there, and the non-zero eigenvalues below it.
-    Found { factor: Factor<'a>, sigma: f64, below: usize },
-    /// None, for instance where the number jumps at a multiple eigenvalue.
-    Failed {
-        /// The lowest shift tried with too many eigenvalues below it, or infinity.
-        too_high: f64,
-    },
-}
+use crate::kernels::{LANES, Lanes};
 
 /// `P^T L D L^T P = A - sigma I`; L has a unit diagonal, D is stored in its place.
 pub(crate) struct Factor<'a> {
@@ -147,7 +15,12 @@ pub(crate) struct Factor<'a> {
     values: Vec<f64>,
 }
 
-impl Factor<'_> {
+impl<'a> Factor<'a> {
+    /// From the pattern and what faer computed on it, which has to be supernodal.
+    pub fn new(symbolic: &'a SymbolicCholesky<usize>, values: Vec<f64>) -> Self {
+        Self { symbolic, values }
+    }
+
     /// Eigenvalues below the shift: by Sylvester's law of inertia, as many as D has negative entries.
     pub fn negative_pivots(&self) -> usize {
         let count = |node: Supernode<'_>| (0..node.width).filter(|&j| node.entry(j, j) < 0.0).count();
@@ -155,7 +28,7 @@ impl Factor<'_> {
     }
 
     /// The largest diagonal entry of `|L| |D| |L^T|`; not finite if the factorization broke down.
-    fn largest_term(&self) -> f64 {
+    pub fn largest_term(&self) -> f64 {
         let mut terms = vec![0.0; self.symbolic.nrows()];
         for node in self.supernodes() {
             for j in 0..node.width {
@@ -200,10 +73,6 @@ struct Supernode<'a> {
     /// Column by column, `width + below.len()` rows each.
     values: &'a [f64],
 }
-
-/// The factor by which terms of `L D L^T` may exceed the matrix: so many times the rounding error is
-/// still small beside a spectral gap.
-const MOST_GROWTH: f64 = 1e5;
 
 /// Columns that are worked on at once, in registers.
 const TILE: usize = 8;

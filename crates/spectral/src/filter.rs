@@ -14,15 +14,16 @@ use mser3d_laplace::aggregate_grid;
 use mser3d_shape::VoxelGrid;
 use rayon::prelude::*;
 
+use crate::block_matrix::BlockMatrix;
 use crate::chebyshev::Polynomial;
-use crate::factor::{Elimination, Search};
+use crate::elimination::{Elimination, Search};
+use crate::kernels::{Block, LANES, Lanes};
 use crate::lanczos::Lanczos;
-use crate::shift_invert::rescale;
-use crate::solve::attainable;
-use crate::standard::{NullSpace, StandardProblem};
+use crate::null_space::NullSpace;
+use crate::quality::attainable;
+use crate::standard_problem::StandardProblem;
 use crate::stencil::{SlicedStencil, Step};
-use crate::tall::{Block, LANES, Lanes, Tall};
-use crate::waves::{self, Tiling};
+use crate::temporal_blocking::{self, Tiling};
 use crate::{SpectralError, SpectrumParameters};
 
 /// Columns added at a time: fewer span the wanted pairs than in larger blocks, since each step of Lanczos,
@@ -50,7 +51,7 @@ pub(crate) struct Filtered {
     /// Ascending.
     pub values: Vec<f64>,
     /// Rows in the order of `order`.
-    pub vectors: Tall,
+    pub vectors: BlockMatrix,
     /// The voxel of each row.
     pub order: Vec<u32>,
     pub null_space: NullSpace,
@@ -85,7 +86,7 @@ pub(crate) fn filtered_eigenpairs(
     let stencil = SlicedStencil::new(grid);
     let n = stencil.len();
     // One component: bodies are solved one by one.
-    let null_space = NullSpace::new(&vec![0; n], &vec![grid.frame().voxel_volume().sqrt(); n]);
+    let null_space = NullSpace::new(&vec![0; n], &vec![grid.frame().voxel_volume().sqrt(); n], |_| true);
     let zeros = null_space.len().min(pairs);
     let wanted = pairs - zeros;
     let capacity = basis_columns(wanted).min((n - null_space.len()) / BLOCK * BLOCK);
@@ -142,7 +143,7 @@ pub(crate) fn filtered_eigenpairs(
             if again.is_empty() {
                 break;
             }
-            let mut some = Tall::from_blocks(
+            let mut some = BlockMatrix::from_blocks(
                 n,
                 again.iter().map(|&at| std::mem::take(&mut vectors.blocks_mut()[at])).collect(),
             );
@@ -151,7 +152,7 @@ pub(crate) fn filtered_eigenpairs(
                 return Err(SpectralError::Cancelled);
             }
             let scale = again.iter().flat_map(|&at| &values[at * LANES..(at + 1) * LANES]);
-            rescale(&mut some, &scale.map(|&lambda| filter.value(lambda)).collect::<Vec<f64>>());
+            some.divide_columns(&scale.map(|&lambda| filter.value(lambda)).collect::<Vec<f64>>());
             let (new_values, new_residuals) = rayleigh_quotients(&stencil, some.blocks_mut(), &mut work);
             for (place, (&at, block)) in again.iter().zip(some.blocks_mut()).enumerate() {
                 let (from, to) = (place * LANES..(place + 1) * LANES, at * LANES..(at + 1) * LANES);
@@ -224,7 +225,7 @@ impl<'a> Filter<'a> {
     }
 
     /// `x = p(A) x`, all threads on one block after the other.
-    fn apply(&self, x: &mut Tall, work: &mut Block, report: &(dyn Fn(usize) -> bool + Sync)) {
+    fn apply(&self, x: &mut BlockMatrix, work: &mut Block, report: &(dyn Fn(usize) -> bool + Sync)) {
         for block in x.blocks_mut() {
             work.resize(block.len(), Lanes::ZERO);
             self.polynomial.apply(
@@ -278,7 +279,7 @@ fn rayleigh_quotients(
     let (mut values, mut residuals) = (Vec::new(), Vec::new());
     for block in blocks {
         work.resize(block.len(), Lanes::ZERO);
-        waves::run(stencil, tiling, rayon::current_num_threads(), &once, block, work);
+        temporal_blocking::run(stencil, tiling, rayon::current_num_threads(), &once, block, work);
         let energy = sum_over_rows(block, work, |x, y, _| x * y);
         let square = sum_over_rows(block, work, |x, y, l| (y - energy[l] * x).powi(2));
         values.extend(energy);

@@ -8,15 +8,16 @@
 use faer::Mat;
 
 use crate::SpectralError;
-use crate::basis::Basis;
-use crate::standard::NullSpace;
-use crate::tall::{Tall, small_eigen};
+use crate::block_matrix::BlockMatrix;
+use crate::lanczos_basis::Basis;
+use crate::null_space::NullSpace;
+use crate::small_dense::small_eigen;
 
 /// What the iteration needs to know.
 pub(crate) struct Lanczos<'a> {
     /// Rows.
     pub rows: usize,
-    /// Columns added at a time, a multiple of [`LANES`].
+    /// Columns added at a time, a multiple of [`crate::kernels::LANES`].
     pub block: usize,
     /// Eigenpairs wanted.
     pub wanted: usize,
@@ -39,7 +40,7 @@ pub(crate) struct Lanczos<'a> {
 /// Ritz pairs: those of the negative end from the largest down, then the others from the largest down.
 pub(crate) struct RitzPairs {
     pub values: Vec<f64>,
-    pub vectors: Tall,
+    pub vectors: BlockMatrix,
     pub restarts: usize,
     /// Vectors that the operator was applied to.
     pub applications: usize,
@@ -50,7 +51,7 @@ impl Lanczos<'_> {
     /// up. `apply(x)` replaces x by the operator times x. `progress(converged)` returns false to cancel.
     pub fn run(
         &self,
-        mut apply: impl FnMut(&mut Tall),
+        mut apply: impl FnMut(&mut BlockMatrix),
         accept: impl Fn(f64, f64) -> bool,
         mut progress: impl FnMut(usize) -> bool,
     ) -> Result<RitzPairs, SpectralError> {

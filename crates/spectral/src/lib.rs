@@ -1,20 +1,24 @@
-//! The smallest eigenpairs of a Laplace operator, complete with multiplicities.
+//! The smallest eigenpairs of a Laplace operator, or of another sparse symmetric operator, complete with
+//! multiplicities.
 //!
-//! * [`smallest_eigenpairs`] solves `W phi = lambda M phi` for any [`mser3d_laplace::Operator`], by
-//!   thick-restart block Lanczos on the inverse (sparse Cholesky factorization).
-//! * [`smallest_eigenpairs_of_grid`] solves it on a voxel grid without a matrix, by the same Lanczos
-//!   iteration on a Chebyshev polynomial of the stencil: several times faster, and in the memory of about
-//!   2.5 k vectors.
+//! * [`smallest_eigenpairs`] solves `W phi = lambda M phi` for any positive semidefinite
+//!   [`Operator`](laplace::Operator), by thick-restart block Lanczos on the inverse (sparse `L D L^T`
+//!   factorizations of shifted matrices).
+//! * [`smallest_eigenpairs_of_grid`] solves it on a voxel grid without a matrix, by the same Lanczos iteration on
+//!   a Chebyshev polynomial of the stencil: several times faster, and in the memory of about 2.5 k vectors.
+//! * [`count_below`] tells by a factorization how many eigenvalues lie below a bound.
 //!
-//! What is guaranteed: true residuals are measured on the result, and a spectrum that misses the
-//! tolerance is an error. Where an eigenvalue is so small that rounding alone moves A x by more, on
-//! shapes a thousand times longer than thick or meshes of slivers, what rounding allows is accepted
-//! instead: [`SpectrumReport::residual`] tells. Zero modes are exactly constant on each component, one for
-//! each. The same input gives the same bits on any number of threads.
+//! What is guaranteed:
 //!
-//! No copy of a multiple eigenvalue is missed: disconnected bodies are solved one by one, and where as many
-//! eigenvalues lie together as a block has columns, the iteration is repeated orthogonally to what was found.
-//! [`count_below`] tells by a factorization how many eigenvalues lie below a bound.
+//! * Residuals are measured on the result, and a spectrum that misses the tolerance is an error. Where an
+//!   eigenvalue is so small that rounding alone moves A x by more (on shapes a thousand times longer than thick,
+//!   on meshes of slivers), a residual as small as rounding allows is accepted: [`SpectrumReport::residual`] tells.
+//! * A component whose rows of W sum to zero (a Neumann boundary, a closed surface) has an eigenvalue of exactly 0
+//!   with an exactly constant eigenfunction.
+//! * No copy of a multiple eigenvalue is missed: components are solved one by one, and where as many eigenvalues
+//!   lie together as a block has columns, the iteration is repeated orthogonally to what was found.
+//! * A negative eigenvalue is an error ([`SpectralError::Indefinite`]), never left out in silence.
+//! * The same input gives the same bits on any number of threads.
 //!
 //! ```
 //! use std::ops::ControlFlow;
@@ -33,26 +37,44 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod basis;
+mod block_matrix;
 mod chebyshev;
-mod complete;
+mod components;
 mod count;
+mod dense;
+mod eigenpairs;
+mod elimination;
 mod error;
-mod extent;
 mod factor;
 mod filter;
+mod kernels;
+mod lambda_max;
 mod lanczos;
+mod lanczos_basis;
+mod limits;
+mod multiplicity;
+mod null_space;
 mod parameters;
-mod parts;
 mod progress;
+mod quality;
+mod report;
 mod shift_invert;
-mod solve;
-mod standard;
+mod small_dense;
+mod solve_grid;
+mod solve_matrix;
+mod standard_problem;
 mod stencil;
-mod tall;
-mod waves;
+mod temporal_blocking;
 
 pub use count::count_below;
 pub use error::SpectralError;
-pub use parameters::{Eigensolver, Extent, Spectrum, SpectrumParameters, SpectrumReport};
-pub use solve::{smallest_eigenpairs, smallest_eigenpairs_of_grid};
+pub use mser3d_laplace as laplace;
+pub use mser3d_shape as shape;
+pub use parameters::{EigenpairRange, Eigensolver, SpectrumParameters};
+pub use report::{SolverUsed, Spectrum, SpectrumReport};
+pub use solve_grid::smallest_eigenpairs_of_grid;
+pub use solve_matrix::smallest_eigenpairs;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}

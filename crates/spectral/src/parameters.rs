@@ -1,45 +1,54 @@
-use mser3d_shape::{Domain, Eigenbasis};
+use mser3d_shape::{Domain, InvalidParameter, choice};
 
 use crate::SpectralError;
 
-/// Which algorithm finds the eigenpairs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Eigensolver {
-    /// By size and kind of operator: dense below a few hundred rows, the polynomial filter for grids,
-    /// shift-invert for everything else.
-    #[default]
-    Auto,
-    /// Block Lanczos on the inverse, by sparse Cholesky factorization.
-    ShiftInvert,
-    /// Block Lanczos on a Chebyshev polynomial of the grid's stencil, without a matrix.
-    Filter,
+choice! {
+    /// Which algorithm to use.
+    pub enum Eigensolver("solver") {
+        /// By size and kind: dense, the filter for grids, shift-invert for all others
+        ///
+        /// Dense up to 400 rows. The filter wherever a grid has many times more voxels than eigenpairs are wanted.
+        #[default]
+        Auto = "auto",
+        /// Block Lanczos on the inverse, by sparse L D L^T factorizations
+        ShiftInvert = "shift-invert",
+        /// Block Lanczos on a Chebyshev polynomial of the grid's stencil, without a matrix
+        ///
+        /// For grids only: an operator given as a matrix is solved by shift-invert.
+        Filter = "filter",
+    }
 }
 
-/// Which of the eigenpairs, from the smallest on.
+/// Which eigenpairs to compute, from the smallest on.
+///
+/// In JSON `{"count": 100}` or `{"lambda_max": 30.0}`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Extent {
-    /// So many, zero modes included.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum EigenpairRange {
+    /// This many, zero modes included.
     Count(usize),
-    /// All with `lambda V^(2/3)` below this, `lambda A` on a surface: bodies of any size then have spectra
-    /// that end at the same scale. A body in one piece has about `x^(3/2) / (6 pi^2)` of them below x, and more
-    /// by its surface; a surface `x / (4 pi)` (Weyl's law).
-    Below(f64),
+    /// All whose `lambda V^(2/3)` (on a surface `lambda A`) is less than this number, at least one.
+    ///
+    /// The spectra of shapes of any size then end at the same scale. A connected solid has about
+    /// `x^(3/2) / (6 pi^2)` of them below x, and more if it has much surface; a surface has about `x / (4 pi)`
+    /// (Weyl's law).
+    LambdaMax(f64),
 }
 
-impl Extent {
-    /// About how many these are, by Weyl's law; bodies with much surface have more.
+impl EigenpairRange {
+    /// About how many these are, by Weyl's law; solids with much surface have more.
     pub fn about(self, domain: Domain) -> usize {
         use std::f64::consts::PI;
         match (self, domain) {
             (Self::Count(count), _) => count,
-            (Self::Below(bound), Domain::Volume) => (bound.powf(1.5) / (6.0 * PI * PI)) as usize + 1,
-            (Self::Below(bound), Domain::Surface) => (bound / (4.0 * PI)) as usize + 1,
+            (Self::LambdaMax(bound), Domain::Volume) => (bound.powf(1.5) / (6.0 * PI * PI)) as usize + 1,
+            (Self::LambdaMax(bound), Domain::Surface) => (bound / (4.0 * PI)) as usize + 1,
         }
     }
 }
 
-impl From<usize> for Extent {
+impl From<usize> for EigenpairRange {
     fn from(count: usize) -> Self {
         Self::Count(count)
     }
@@ -47,9 +56,11 @@ impl From<usize> for Extent {
 
 /// What to compute and how exactly.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SpectrumParameters {
     /// Which eigenpairs. Default: the 100 smallest.
-    pub eigenpairs: Extent,
+    pub eigenpairs: EigenpairRange,
     /// Largest relative residual |W phi - lambda M phi| / (lambda |phi|), in the norms of M^-1 and M.
     /// Default 1e-9.
     pub tolerance: f64,
@@ -58,13 +69,15 @@ pub struct SpectrumParameters {
     /// Restarts before giving up. Default 60.
     pub max_iterations: usize,
     /// Refuse work whose estimated memory exceeds this many bytes. Default: no limit.
+    // Not stored: it changes no result, and another machine has another limit.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub memory_limit: Option<u64>,
 }
 
 impl Default for SpectrumParameters {
     fn default() -> Self {
         Self {
-            eigenpairs: Extent::Count(100),
+            eigenpairs: EigenpairRange::Count(100),
             tolerance: 1e-9,
             solver: Eigensolver::Auto,
             max_iterations: 60,
@@ -77,48 +90,20 @@ impl SpectrumParameters {
     /// Checks the ranges of all fields.
     ///
     /// # Errors
-    /// [`SpectralError::BadParameter`] for the first field that is out of range.
+    /// [`SpectralError::InvalidParameter`] for the first field that is out of range.
     pub fn validate(&self) -> Result<(), SpectralError> {
-        let bad = |name, value: String, expected| Err(SpectralError::BadParameter { name, value, expected });
         match self.eigenpairs {
-            Extent::Count(0) => return bad("eigenpairs", "0".into(), "at least 1"),
-            Extent::Below(bound) if !(bound > 0.0 && bound.is_finite()) => {
-                return bad("the bound of the eigenvalues", bound.to_string(), "above 0");
+            EigenpairRange::Count(count) => {
+                InvalidParameter::unless(count > 0, "eigenpairs", count, "at least 1")?
             }
-            _ => {}
+            EigenpairRange::LambdaMax(bound) => {
+                let valid = bound > 0.0 && bound.is_finite();
+                InvalidParameter::unless(valid, "lambda_max", bound, "a finite number above 0")?;
+            }
         }
-        if !(self.tolerance > 0.0 && self.tolerance <= 1e-2) {
-            return bad("tolerance", self.tolerance.to_string(), "above 0 and at most 0.01");
-        }
-        if self.max_iterations == 0 {
-            return bad("max_iterations", "0".into(), "at least 1");
-        }
-        Ok(())
+        let valid = self.tolerance > 0.0 && self.tolerance <= 1e-2;
+        InvalidParameter::unless(valid, "tolerance", self.tolerance, "above 0 and at most 0.01")?;
+        let iterations = self.max_iterations;
+        Ok(InvalidParameter::unless(iterations > 0, "max_iterations", iterations, "at least 1")?)
     }
-}
-
-/// Eigenpairs and how good they are.
-#[derive(Clone, Debug)]
-pub struct Spectrum {
-    /// The eigenpairs.
-    pub basis: Eigenbasis,
-    /// How they were found, and their measured quality.
-    pub report: SpectrumReport,
-}
-
-/// How a spectrum was found, and its quality as measured on the result.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SpectrumReport {
-    /// `"dense"`, `"shift-invert Lanczos"` or `"filtered Lanczos"`.
-    pub solver: &'static str,
-    /// Restarts.
-    pub iterations: usize,
-    /// Vectors that the operator, or its inverse, was applied to.
-    pub applications: usize,
-    /// Largest relative residual over the non-zero eigenpairs; the zero modes are exact.
-    pub residual: f64,
-    /// Largest entry of |Phi^T M Phi - I|.
-    pub orthogonality: f64,
-    /// Number of zero eigenvalues: the components of the operator.
-    pub zero_modes: usize,
 }

@@ -1,16 +1,17 @@
-//! What the caller hears while bodies are solved.
+//! What the caller is told while components are solved.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::{SpectralError, Spectrum};
 
-/// Progress that never goes back, over bodies that are solved one after the other, and iterations that are repeated.
+/// Progress that never goes back, over components that are solved one after the other, and repeated iterations.
 pub(crate) struct Heard<'a> {
     progress: &'a (dyn Fn(usize) -> ControlFlow<()> + Sync),
     wanted: usize,
-    /// Pairs of the bodies before.
+    /// Eigenpairs of the components solved before.
     before: AtomicUsize,
+    /// The largest number told so far.
     most: AtomicUsize,
 }
 
@@ -19,7 +20,7 @@ impl<'a> Heard<'a> {
         Self { progress, wanted, before: AtomicUsize::new(0), most: AtomicUsize::new(0) }
     }
 
-    /// Solves for `count` pairs of the next body.
+    /// Solves for `count` eigenpairs of the next component.
     pub fn next(
         &self,
         count: usize,
@@ -34,7 +35,7 @@ impl<'a> Heard<'a> {
         Ok(spectrum)
     }
 
-    /// All are there.
+    /// Tells that all are found, if they are.
     pub fn end(&self, spectrum: Result<Spectrum, SpectralError>) -> Result<Spectrum, SpectralError> {
         if spectrum.is_ok() && (self.progress)(self.wanted).is_break() {
             return Err(SpectralError::Cancelled);

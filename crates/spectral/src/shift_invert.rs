@@ -6,19 +6,23 @@
 //! in the basis, half the work. How many lie below the shift is known from the factorization (Sylvester's law
 //! of inertia), so none of them can be missed.
 //!
-//! A shift below the spectrum, `-V^(-2/3)` or `-1/A`, is slower, but is exact to eigenvalues far smaller than
+//! A shift below the spectrum, by `V^(-2/3)` or `1/A`, is slower, but is exact to eigenvalues far smaller than
 //! the others. It serves where the other doesn't reach the tolerance.
 
 use faer::Mat;
 use rayon::prelude::*;
 
 use crate::SpectralError;
-use crate::complete::add_missed_copies;
-use crate::factor::{Elimination, Factor, Search};
+use crate::block_matrix::BlockMatrix;
+use crate::eigenpairs::Pairs;
+use crate::elimination::{Elimination, Search};
+use crate::factor::Factor;
+use crate::kernels::{LANES, Lanes};
 use crate::lanczos::{Lanczos, RitzPairs};
-use crate::solve::{attainable, orthogonality, residuals};
-use crate::standard::{NullSpace, StandardProblem};
-use crate::tall::{LANES, Lanes, Tall};
+use crate::multiplicity::add_missed_copies;
+use crate::null_space::NullSpace;
+use crate::quality::attainable;
+use crate::standard_problem::StandardProblem;
 
 /// Columns added to the basis at a time. More find more copies at once, but need a larger basis.
 const BLOCK: usize = LANES;
@@ -38,29 +42,6 @@ pub(crate) struct Task {
     pub max_restarts: usize,
 }
 
-/// Eigenpairs without the null space.
-pub(crate) struct Pairs {
-    /// Ascending.
-    pub values: Vec<f64>,
-    pub vectors: Tall,
-    /// |A x - lambda x| / lambda of each pair.
-    pub residuals: Vec<f64>,
-    /// Largest entry of |X^T X - I|.
-    pub orthogonality: f64,
-    pub restarts: usize,
-    /// Vectors that the inverse was applied to.
-    pub applications: usize,
-}
-
-impl Pairs {
-    /// As computed in one go, with residuals and orthogonality measured on the vectors.
-    pub fn measured(problem: &StandardProblem, values: Vec<f64>, vectors: Tall) -> Self {
-        let residuals = residuals(problem, &values, &vectors);
-        let orthogonality = orthogonality(&vectors, values.len());
-        Self { values, vectors, residuals, orthogonality, restarts: 0, applications: 0 }
-    }
-}
-
 /// Most columns of the basis.
 pub(crate) fn basis_columns(wanted: usize) -> usize {
     (5 * wanted / 2 + 64) / BLOCK * BLOCK
@@ -73,21 +54,24 @@ pub(crate) fn inverse_eigenpairs(
     task: &Task,
     progress: &dyn Fn(usize) -> bool,
 ) -> Result<Pairs, SpectralError> {
-    if let Some(inverse) = Inverse::among_wanted(elimination, task.wanted) {
+    if let Some(inverse) = Inverse::among_wanted(problem, elimination, task.wanted) {
         // Where it is slow, something is wrong with it.
         let task = Task { max_restarts: task.max_restarts.min(3), ..*task };
-        let pairs = inverse.eigenpairs(problem, &task, progress)?;
         let bound = problem.bound();
         let good = |(&value, &r): (&f64, &f64)| r <= attainable(task.tolerance, bound, value);
-        if pairs.values.iter().zip(&pairs.residuals).all(good) {
-            return Ok(pairs);
+        match inverse.eigenpairs(&task, progress) {
+            Ok(pairs) if pairs.values.iter().zip(&pairs.residuals).all(good) => return Ok(pairs),
+            // A shift below all eigenvalues is exact to smaller ones, and tells for certain if any is negative.
+            Ok(_) | Err(SpectralError::Indefinite { .. }) => {}
+            Err(error) => return Err(error),
         }
     }
-    Inverse::below_all(problem, elimination)?.eigenpairs(problem, task, progress)
+    Inverse::below_all(problem, elimination)?.eigenpairs(task, progress)
 }
 
 /// The inverse at a shift.
 struct Inverse<'a> {
+    problem: &'a StandardProblem,
     factor: Factor<'a>,
     sigma: f64,
     /// Non-zero eigenvalues below the shift.
@@ -97,31 +81,38 @@ struct Inverse<'a> {
 impl<'a> Inverse<'a> {
     /// At a shift with about the right share of the wanted eigenvalues below it; `None` if there is none, or
     /// if it isn't worth it.
-    fn among_wanted(elimination: &'a Elimination<'_>, wanted: usize) -> Option<Self> {
+    fn among_wanted(
+        problem: &'a StandardProblem,
+        elimination: &'a Elimination<'_>,
+        wanted: usize,
+    ) -> Option<Self> {
         if wanted < MANY {
             return None;
         }
         let wanted = wanted as f64;
         let near = SHARES.start() * wanted..=SHARES.end() * wanted;
         match elimination.search(SHARE * wanted, near) {
-            Search::Found { factor, sigma, below } => Some(Self { factor, sigma, below }),
+            Search::Found { factor, sigma, below } => Some(Self { problem, factor, sigma, below }),
             Search::Failed { .. } => None,
         }
     }
 
     /// At a shift below the spectrum: well below the wanted eigenvalues (33 k^(2/3) V^(-2/3) by Weyl's law), but
     /// so far that the matrix is well conditioned.
-    fn below_all(problem: &StandardProblem, elimination: &'a Elimination<'_>) -> Result<Self, SpectralError> {
-        let sigma = -problem.unit_eigenvalue;
+    fn below_all(
+        problem: &'a StandardProblem,
+        elimination: &'a Elimination<'_>,
+    ) -> Result<Self, SpectralError> {
+        let sigma = problem.lower_bound - problem.unit_eigenvalue;
         let factor = elimination.factor(sigma)?;
         if factor.negative_pivots() > 0 {
-            return Err(SpectralError::NotFactored { shift: sigma });
+            return Err(SpectralError::Indefinite { eigenvalue: sigma });
         }
-        Ok(Self { factor, sigma, below: 0 })
+        Ok(Self { problem, factor, sigma, below: 0 })
     }
 
     /// `x = (A - sigma I)^(-1) x`, block by block.
-    fn apply(&self, x: &mut Tall) {
+    fn apply(&self, x: &mut BlockMatrix) {
         let n = x.rows();
         x.blocks_mut().par_iter_mut().for_each(|block| {
             let mut work = vec![Lanes::ZERO; n];
@@ -130,16 +121,12 @@ impl<'a> Inverse<'a> {
     }
 
     fn eigenvalue(&self, theta: f64) -> f64 {
-        (self.sigma + 1.0 / theta).max(0.0)
+        self.sigma + 1.0 / theta
     }
 
     /// The smallest eigenpairs, with all copies of multiple ones.
-    fn eigenpairs(
-        &self,
-        problem: &StandardProblem,
-        task: &Task,
-        progress: &dyn Fn(usize) -> bool,
-    ) -> Result<Pairs, SpectralError> {
+    fn eigenpairs(&self, task: &Task, progress: &dyn Fn(usize) -> bool) -> Result<Pairs, SpectralError> {
+        let problem = self.problem;
         let found = self.iterate(&problem.null_space, task, self.below, f64::INFINITY, progress)?;
         let (mut restarts, mut applications) = (found.restarts, found.applications);
         let below = found.values.iter().filter(|&&value| value < self.sigma).count();
@@ -162,7 +149,7 @@ impl<'a> Inverse<'a> {
 
     /// The step of inverse iteration multiplies what rounding left of one eigenvector in another, the more the
     /// nearer that one is to the shift. So it is taken out of the farther of the two.
-    fn separate(&self, vectors: &mut Tall, values: &[f64]) {
+    fn separate(&self, vectors: &mut BlockMatrix, values: &[f64]) {
         let gram = vectors.gram(0..vectors.blocks().len(), vectors);
         let distance = |i: usize| (values[i] - self.sigma).abs();
         let entry = |i: usize, j: usize| match i == j {
@@ -173,8 +160,8 @@ impl<'a> Inverse<'a> {
         vectors.rotate(Mat::from_fn(values.len(), values.len(), entry).as_ref());
     }
 
-    /// The smallest eigenvalues and their vectors, `below` of them below the shift. Those that turn out to be above `enough` may be
-    /// inexact.
+    /// The smallest eigenvalues and their vectors, `below` of them below the shift. Those that turn out to be
+    /// above `enough` may be inexact.
     fn iterate(
         &self,
         null_space: &NullSpace,
@@ -205,20 +192,15 @@ impl<'a> Inverse<'a> {
         };
         let mut ritz = lanczos.run(|x| self.apply(x), accept, |n| progress(zeros + n))?;
         // Lanczos leaves its residual, and the rounding errors of hundreds of columns, in directions that A
-        // multiplies. The inverse makes them small. Residuals of Ritz vectors are orthogonal to all of them, so this changes
-        // their scalar products only by the square of the residuals.
+        // multiplies. The inverse makes them small. Residuals of Ritz vectors are orthogonal to all of them, so
+        // this changes their scalar products only by the square of the residuals.
         self.apply(&mut ritz.vectors);
-        rescale(&mut ritz.vectors, &ritz.values);
-        ritz.values.iter_mut().for_each(|theta| *theta = self.eigenvalue(*theta));
+        ritz.vectors.divide_columns(&ritz.values);
+        for value in &mut ritz.values {
+            let eigenvalue = self.eigenvalue(*value);
+            self.problem.check_semidefinite(eigenvalue)?;
+            *value = eigenvalue.max(0.0);
+        }
         Ok(ritz)
     }
-}
-
-/// Divides each column by its Ritz value.
-pub(crate) fn rescale(vectors: &mut Tall, theta: &[f64]) {
-    vectors.blocks_mut().iter_mut().zip(theta.chunks(LANES)).for_each(|(block, theta)| {
-        for row in block {
-            theta.iter().zip(&mut row.0).for_each(|(theta, x)| *x /= theta);
-        }
-    });
 }

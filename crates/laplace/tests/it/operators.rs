@@ -1,6 +1,8 @@
 //! Facts about the operators that hold whatever solves them.
 
-use mser3d_laplace::{GridStencil, Operator, aggregate_grid, cotangent_laplacian, grid_laplacian};
+use mser3d_laplace::{
+    GridStencil, LaplaceError, Operator, aggregate_grid, cotangent_laplacian, grid_laplacian, sprs::TriMat,
+};
 use mser3d_shape::{BitGrid, Domain, Frame, TriangleMesh, VoxelGrid};
 
 fn lumpy_grid(spacing: [f64; 3]) -> VoxelGrid {
@@ -29,8 +31,10 @@ fn assembled_operators_are_laplacians() {
     let octahedron = octahedron();
     let mesh = cotangent_laplacian(&octahedron).unwrap();
     for operator in [grid, mesh] {
-        // The checked constructor verifies symmetry, zero row sums and masses.
+        // The checked constructor verifies symmetry and masses.
         Operator::new(operator.domain(), operator.stiffness().clone(), operator.mass().to_vec()).unwrap();
+        assert!((0..operator.len()).all(|row| operator.sums_to_zero(row)));
+        assert!(operator.is_known_semidefinite());
         assert_eq!(operator.components().len(), 1);
     }
 }
@@ -121,4 +125,46 @@ fn aggregation_keeps_components_volume_and_cut_links() {
     for (&value, (row, column)) in fine.stiffness().iter() {
         assert!((same.stiffness().get(row, column).unwrap() - value).abs() < 1e-12);
     }
+}
+
+/// The matrix [[a, b], [c, d]] with masses.
+fn two(entries: [[f64; 2]; 2], mass: [f64; 2]) -> Result<Operator, LaplaceError> {
+    let mut stiffness = TriMat::new((2, 2));
+    for (row, values) in entries.iter().enumerate() {
+        for (column, &value) in values.iter().enumerate().filter(|(_, value)| **value != 0.0) {
+            stiffness.add_triplet(row, column, value);
+        }
+    }
+    Operator::new(Domain::Surface, stiffness.to_csr(), mass.to_vec())
+}
+
+#[test]
+fn any_symmetric_matrix_is_an_operator_and_no_other() {
+    // Free ends, held ends, one end held by a millionth, not known to be semidefinite though it is, indefinite.
+    for (entries, sums_to_zero, known) in [
+        ([[1.0, -1.0], [-1.0, 1.0]], [true, true], true),
+        ([[2.0, -1.0], [-1.0, 2.0]], [false, false], true),
+        ([[1.0, -1.0], [-1.0, 1.0 + 1e-6]], [true, false], true),
+        ([[1.0, 2.0], [2.0, 5.0]], [false, false], false),
+        ([[-1.0, 1.0], [1.0, -1.0]], [true, true], false),
+        ([[0.0; 2]; 2], [true, true], true),
+    ] {
+        let operator = two(entries, [1.0, 2.0]).unwrap();
+        assert_eq!([0, 1].map(|row| operator.sums_to_zero(row)), sums_to_zero, "{entries:?}");
+        assert_eq!(operator.is_known_semidefinite(), known, "{entries:?}");
+        assert_eq!(operator.restrict(&[0, 1]).is_known_semidefinite(), known);
+    }
+    let held = [[2.0, -1.0], [-1.0, 2.0]];
+    for (entries, mass, reason) in [
+        ([[2.0, -1.0], [-1.5, 2.0]], [1.0; 2], "not symmetric"),
+        ([[f64::NAN, -1.0], [-1.0, 2.0]], [1.0; 2], "not finite"),
+        (held, [1.0, -1.0], "the mass is negative"),
+        (held, [f64::INFINITY, 1.0], "the mass is negative or not finite"),
+        (held, [1.0, 0.0], "stiffness but no mass"),
+    ] {
+        let error = two(entries, mass).unwrap_err();
+        assert!(error.to_string().contains(reason), "{error}");
+    }
+    let error = Operator::new(Domain::Surface, TriMat::new((2, 2)).to_csc(), vec![1.0; 3]).unwrap_err();
+    assert_eq!(error, LaplaceError::SizeMismatch { rows: 2, columns: 2, masses: 3 });
 }

@@ -1,11 +1,11 @@
-//! From an extent to a number of eigenpairs, and to exactly those.
+//! All eigenpairs below a bound, whose number is only known about.
 
 use mser3d_shape::Eigenbasis;
 
 use crate::{SpectralError, Spectrum};
 
-/// All eigenpairs below `bound`, by asking `solve` for more until one lies beyond it. `guess` is about how many
-/// there are, of `available`; at least one is returned.
+/// All eigenpairs below `bound`, at least one, by asking `solve` for more until one lies beyond it. `guess` is about
+/// how many there are, of `available`.
 pub(crate) fn all_below(
     bound: f64,
     guess: usize,

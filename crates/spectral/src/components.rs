@@ -1,11 +1,11 @@
-//! Disconnected bodies, solved one by one.
+//! Connected components, solved one by one.
 //!
-//! Equal bodies side by side share their eigenvalues, any number of times; an iteration on all of them
-//! at once sees as many copies as its block has columns. Apart, each body has few.
+//! Equal bodies side by side have the same eigenvalues. An iteration on all of them at once sees only as many copies
+//! of an eigenvalue as its block has columns; one by one, each body has few.
 
 use mser3d_shape::{Components, Domain, Eigenbasis};
 
-use crate::{SpectralError, Spectrum, SpectrumReport};
+use crate::{SolverUsed, SpectralError, Spectrum, SpectrumReport};
 
 /// The rows of each component, ascending; components without a row that `takes_part` are left out.
 pub(crate) fn members(parts: &Components, takes_part: impl Fn(usize) -> bool) -> Vec<Vec<u32>> {
@@ -21,7 +21,7 @@ pub(crate) fn members(parts: &Components, takes_part: impl Fn(usize) -> bool) ->
 /// computes the `count` smallest of one, its zero mode included, with rows as in `members[body]`.
 ///
 /// Each body is first asked for its share by size, then for more until its highest eigenvalue lies above
-/// the last one wanted.
+/// the last one wanted. Where the exact zero modes alone are enough, nothing else is asked for.
 pub(crate) fn merge(
     domain: Domain,
     mass: &[f64],
@@ -41,13 +41,14 @@ pub(crate) fn merge(
             }
         }
         let order = smallest(&spectra, wanted);
+        let zero_modes: usize = spectra.iter().flatten().map(|s| s.report.zero_modes).sum();
         let last = order.last().map_or(0.0, |&(value, ..)| value);
         let complete = |body: usize| {
             let highest = spectra[body].as_ref().and_then(|s| s.basis.eigenvalues().last().copied());
             counts[body] >= wanted.min(members[body].len()) || highest.is_some_and(|h| h > last)
         };
         let short: Vec<usize> = (0..members.len()).filter(|&b| !complete(b)).collect();
-        if members.len() >= wanted || short.is_empty() {
+        if zero_modes >= wanted || short.is_empty() {
             break order;
         }
         for body in short {
@@ -65,7 +66,7 @@ pub(crate) fn merge(
     let values = order.iter().map(|&(value, ..)| value).collect();
     let basis =
         Eigenbasis::new(domain, mass.to_vec(), values, functions).map_err(|_| SpectralError::Overflow)?;
-    Ok(Spectrum { basis, report: combined(&spectra, members.len().min(wanted)) })
+    Ok(Spectrum { basis, report: combined(&spectra, wanted) })
 }
 
 /// The smallest eigenvalues of all bodies: value, body, number in the body. Zero modes come first, in the
@@ -82,15 +83,15 @@ fn smallest(spectra: &[Option<Spectrum>], wanted: usize) -> Vec<(f64, usize, usi
 }
 
 /// The worst of all reports; the solver is that of the body with most work.
-fn combined(spectra: &[Option<Spectrum>], zero_modes: usize) -> SpectrumReport {
+fn combined(spectra: &[Option<Spectrum>], wanted: usize) -> SpectrumReport {
     let reports = || spectra.iter().flatten().map(|s| &s.report);
     let worst = |value: fn(&SpectrumReport) -> f64| reports().map(value).fold(0.0, f64::max);
     SpectrumReport {
-        solver: reports().max_by_key(|r| r.applications).map_or("dense", |r| r.solver),
+        solver: reports().max_by_key(|r| r.applications).map_or(SolverUsed::Dense, |r| r.solver),
         iterations: reports().map(|r| r.iterations).sum(),
         applications: reports().map(|r| r.applications).sum(),
         residual: worst(|r| r.residual),
         orthogonality: worst(|r| r.orthogonality),
-        zero_modes,
+        zero_modes: reports().map(|r| r.zero_modes).sum::<usize>().min(wanted),
     }
 }

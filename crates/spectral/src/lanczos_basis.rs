@@ -4,11 +4,14 @@
 use std::ops::Range;
 
 use faer::{Mat, MatRef};
+use mser3d_shape::SplitMix64;
 use rayon::prelude::*;
 
 use crate::SpectralError;
-use crate::standard::NullSpace;
-use crate::tall::{Block, LANES, Noise, Tall, orthonormal_combinations};
+use crate::block_matrix::BlockMatrix;
+use crate::kernels::{Block, LANES};
+use crate::null_space::NullSpace;
+use crate::small_dense::orthonormal_combinations;
 
 /// Overlap that rounding leaves in an image, relative to the operator's norm.
 const ROUNDING: f64 = 1e-15;
@@ -21,7 +24,7 @@ const WAITING: usize = 4;
 /// block has no part along any but the last blocks, so a new block is orthogonalized against those at once, and
 /// against the others together with those that follow it, before its overlap with them can matter.
 pub(crate) struct Basis<'a> {
-    columns: Tall,
+    columns: BlockMatrix,
     /// Columns of a block.
     block: usize,
     /// Columns that are orthonormal to rounding; the rest waits.
@@ -31,7 +34,7 @@ pub(crate) struct Basis<'a> {
     /// Overlap that a block may keep for a while.
     most_overlap: f64,
     null_space: &'a NullSpace,
-    noise: Noise,
+    random: SplitMix64,
 }
 
 impl<'a> Basis<'a> {
@@ -43,13 +46,13 @@ impl<'a> Basis<'a> {
         most_overlap: f64,
         null_space: &'a NullSpace,
     ) -> Result<Self, SpectralError> {
-        let columns = Tall::from_blocks(rows, Vec::with_capacity(capacity / LANES));
-        // Not the noise by which eigenvectors were found before: it has no part in those it missed.
-        let noise = Noise(0x6d73_6572_3364 + null_space.known_columns() as u64);
+        let columns = BlockMatrix::from_blocks(rows, Vec::with_capacity(capacity / LANES));
+        // Not the start by which eigenvectors were found before: it has no part in those it missed.
+        let random = SplitMix64::new(0x6d73_6572_3364 + null_space.known_columns() as u64);
         let mut basis =
-            Self { columns, block, settled: 0, overlaps: [0.0; 2], most_overlap, null_space, noise };
-        let mut start = Tall::zeros(rows, block);
-        start.fill_noise(0..block, &mut basis.noise);
+            Self { columns, block, settled: 0, overlaps: [0.0; 2], most_overlap, null_space, random };
+        let mut start = BlockMatrix::zeros(rows, block);
+        start.fill_noise(0..block, &mut basis.random);
         null_space.project_out(&mut start);
         let gram = start.gram(blocks(0..block), &start);
         basis.append(start, gram, 0.0)?;
@@ -67,15 +70,18 @@ impl<'a> Basis<'a> {
     }
 
     /// A copy of the last block.
-    pub fn last_block(&self) -> Tall {
+    pub fn last_block(&self) -> BlockMatrix {
         let first = (self.len() - self.block) / LANES;
         let copy = |block: &Block| block.par_iter().copied().collect();
-        Tall::from_blocks(self.columns.rows(), self.columns.blocks()[first..].iter().map(copy).collect())
+        BlockMatrix::from_blocks(
+            self.columns.rows(),
+            self.columns.blocks()[first..].iter().map(copy).collect(),
+        )
     }
 
     /// Takes out of `image` its part along all columns from `first` on. Returns the coefficients, and the Gram
     /// matrix of what is left.
-    pub fn take_out(&self, image: &mut Tall, first: usize) -> (Mat<f64>, Mat<f64>) {
+    pub fn take_out(&self, image: &mut BlockMatrix, first: usize) -> (Mat<f64>, Mat<f64>) {
         let columns = blocks(first..self.len());
         // Twice: the large part, then what rounding left of it. Reading the columns takes longer than computing
         // with them, so each pass does what it can.
@@ -87,7 +93,12 @@ impl<'a> Basis<'a> {
 
     /// Appends what is left of an image of the last block under an operator of this norm, given its Gram
     /// matrix. Returns the R of `rest = Q R`, where Q is the new block.
-    pub fn append(&mut self, mut rest: Tall, gram: Mat<f64>, norm: f64) -> Result<Mat<f64>, SpectralError> {
+    pub fn append(
+        &mut self,
+        mut rest: BlockMatrix,
+        gram: Mat<f64>,
+        norm: f64,
+    ) -> Result<Mat<f64>, SpectralError> {
         let mut r = self.orthonormalize(&mut rest, gram)?;
         self.columns.blocks_mut().append(rest.blocks_mut());
         // What rounding and the last two blocks had of settled columns, grown as the rest was scaled up.
@@ -115,7 +126,7 @@ impl<'a> Basis<'a> {
     /// Orthogonalizes the waiting columns against the settled ones.
     pub fn settle(&mut self) {
         let waiting = self.columns.blocks_mut().split_off(self.settled / LANES);
-        let mut waiting = Tall::from_blocks(self.columns.rows(), waiting);
+        let mut waiting = BlockMatrix::from_blocks(self.columns.rows(), waiting);
         if self.settled > 0 && !waiting.blocks().is_empty() {
             let settled = blocks(0..self.settled);
             let coefficients = self.columns.gram(settled.clone(), &waiting);
@@ -136,20 +147,20 @@ impl<'a> Basis<'a> {
     }
 
     /// All columns but the last block.
-    pub fn into_columns(mut self) -> Tall {
+    pub fn into_columns(mut self) -> BlockMatrix {
         self.remove_last_block();
         self.columns
     }
 
-    fn remove_last_block(&mut self) -> Tall {
+    fn remove_last_block(&mut self) -> BlockMatrix {
         let first = (self.len() - self.block) / LANES;
-        Tall::from_blocks(self.columns.rows(), self.columns.blocks_mut().split_off(first))
+        BlockMatrix::from_blocks(self.columns.rows(), self.columns.blocks_mut().split_off(first))
     }
 
     /// Makes the columns of `block` orthonormal, given their Gram matrix. Directions that depend on the others
     /// are replaced by noise orthogonal to the basis. Returns R of `block = Q R`; R is zero in the rows of
     /// replaced columns.
-    fn orthonormalize(&mut self, block: &mut Tall, gram: Mat<f64>) -> Result<Mat<f64>, SpectralError> {
+    fn orthonormalize(&mut self, block: &mut BlockMatrix, gram: Mat<f64>) -> Result<Mat<f64>, SpectralError> {
         let width = self.block;
         let mut r = Mat::<f64>::identity(width, width);
         let mut gram = gram;
@@ -163,7 +174,7 @@ impl<'a> Basis<'a> {
             r = &step * &r;
             gram = block.rotate_then_self_gram(combination.as_ref());
             if found < width {
-                block.fill_noise(found..width, &mut self.noise);
+                block.fill_noise(found..width, &mut self.random);
                 self.null_space.project_out(block);
                 gram = self.take_out(block, 0).1;
             }

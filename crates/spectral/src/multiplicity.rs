@@ -1,4 +1,4 @@
-//! No copy of a multiple eigenvalue missed.
+//! Multiple eigenvalues: finds the copies that an iteration can have missed.
 //!
 //! A Krylov space that starts from b random vectors holds min(m, b) copies of an m-fold eigenvalue. So where
 //! fewer than b of the eigenvalues found lie together, none is missing. Where b or more do, more may exist:
@@ -6,10 +6,10 @@
 //! wanted.
 
 use crate::SpectralError;
-use crate::tall::Tall;
+use crate::block_matrix::BlockMatrix;
 
-/// Eigenvalues within this relative distance count as copies. Those farther apart are told apart by the time
-/// that they have converged.
+/// Eigenvalues within this relative distance count as copies. Those farther apart are told apart before they have
+/// converged.
 const TOGETHER: f64 = 1e-8;
 
 /// Adds to the smallest eigenpairs, `values.len()` of them in any order, the copies that an iteration with
@@ -17,10 +17,10 @@ const TOGETHER: f64 = 1e-8;
 /// orthogonal to those known; those above `last` may be inexact.
 pub(crate) fn add_missed_copies(
     mut values: Vec<f64>,
-    mut vectors: Tall,
+    mut vectors: BlockMatrix,
     block: usize,
-    mut search: impl FnMut(&Tall, f64) -> Result<(Vec<f64>, Tall), SpectralError>,
-) -> Result<(Vec<f64>, Tall), SpectralError> {
+    mut search: impl FnMut(&BlockMatrix, f64) -> Result<(Vec<f64>, BlockMatrix), SpectralError>,
+) -> Result<(Vec<f64>, BlockMatrix), SpectralError> {
     while may_hide_copies(&values, block) {
         let last = values.iter().copied().fold(0.0, f64::max);
         let (others, other_vectors) = search(&vectors, last)?;
@@ -33,7 +33,7 @@ pub(crate) fn add_missed_copies(
         let mut order: Vec<usize> = (0..values.len()).collect();
         order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
         order.truncate(wanted);
-        let mut merged = Tall::zeros(vectors.rows(), wanted);
+        let mut merged = BlockMatrix::zeros(vectors.rows(), wanted);
         merged.fill(wanted, |row, column| match order[column].checked_sub(wanted) {
             Some(other) => other_vectors.at(row, other),
             None => vectors.at(row, order[column]),

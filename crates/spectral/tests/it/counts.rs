@@ -6,8 +6,8 @@ use std::ops::ControlFlow;
 use mser3d_laplace::{cotangent_laplacian, grid_laplacian};
 use mser3d_shape::{BitGrid, Frame, TriangleMesh, VoxelGrid};
 use mser3d_spectral::{
-    Eigensolver, Extent, SpectralError, Spectrum, SpectrumParameters, count_below, smallest_eigenpairs,
-    smallest_eigenpairs_of_grid,
+    EigenpairRange, Eigensolver, SpectralError, Spectrum, SpectrumParameters, count_below,
+    smallest_eigenpairs, smallest_eigenpairs_of_grid,
 };
 
 fn solid(dims: [usize; 3], spacing: f64, inside: impl Fn([f64; 3]) -> bool) -> VoxelGrid {
@@ -23,7 +23,7 @@ fn in_ball([x, y, z]: [f64; 3], [a, b, c]: [f64; 3], radius: f64) -> bool {
     (x - a).powi(2) + (y - b).powi(2) + (z - c).powi(2) <= radius * radius
 }
 
-fn solve(grid: &VoxelGrid, eigenpairs: Extent, solver: Eigensolver) -> Spectrum {
+fn solve(grid: &VoxelGrid, eigenpairs: EigenpairRange, solver: Eigensolver) -> Spectrum {
     let parameters = SpectrumParameters { eigenpairs, solver, ..Default::default() };
     smallest_eigenpairs_of_grid(grid, &parameters, &|_| ControlFlow::Continue(())).unwrap()
 }
@@ -59,7 +59,7 @@ fn spectra_are_complete_by_the_inertia_of_a_factorization() {
     for (name, grid) in &solids {
         let operator = grid_laplacian(grid);
         for solver in [Eigensolver::Filter, Eigensolver::ShiftInvert] {
-            let spectrum = solve(grid, Extent::Count(60), solver);
+            let spectrum = solve(grid, EigenpairRange::Count(60), solver);
             let (below, bound) = last_gap(spectrum.basis.eigenvalues());
             assert_eq!(count_below(&operator, bound, None), Ok(below), "{name} {solver:?} {bound}");
             let parts = grid.component_count();
@@ -85,7 +85,7 @@ fn all_eigenpairs_below_a_bound_at_any_size() {
         let count = expected.iter().filter(|&&value| value * side * side < bound).count();
         for (size, solver) in [(1.0, Eigensolver::Filter), (1e-3, Eigensolver::ShiftInvert)] {
             let grid = solid([n; 3], size, |_| true);
-            let spectrum = solve(&grid, Extent::Below(bound), solver);
+            let spectrum = solve(&grid, EigenpairRange::LambdaMax(bound), solver);
             let values = spectrum.basis.eigenvalues();
             assert_eq!(values.len(), count, "{bound} {solver:?}");
             let close = |(value, e): (&f64, &f64)| (value * size * size - e).abs() <= 1e-9 * e;
@@ -93,7 +93,7 @@ fn all_eigenpairs_below_a_bound_at_any_size() {
         }
     }
     let parts = solid([37, 9, 9], 1.0, |c| c[0] as u32 % 10 != 9);
-    let spectrum = solve(&parts, Extent::Below(20.0), Eigensolver::Auto);
+    let spectrum = solve(&parts, EigenpairRange::LambdaMax(20.0), Eigensolver::Auto);
     let (count, bound) = (spectrum.basis.eigenvalues().len(), 20.0 * parts.volume().powf(-2.0 / 3.0));
     assert_eq!(count_below(&grid_laplacian(&parts), bound, None), Ok(count));
 }
@@ -113,7 +113,8 @@ fn surfaces_are_bounded_by_their_area() {
     let sheet = TriangleMesh::new(vertices, triangles).unwrap();
     let operator = cotangent_laplacian(&sheet).unwrap();
     // A square's: pi^2 (i^2 + j^2). 30 of them are below 30.5 pi^2.
-    let parameters = SpectrumParameters { eigenpairs: Extent::Below(30.5 * PI * PI), ..Default::default() };
+    let parameters =
+        SpectrumParameters { eigenpairs: EigenpairRange::LambdaMax(30.5 * PI * PI), ..Default::default() };
     let spectrum = smallest_eigenpairs(&operator, &parameters, &|_| ControlFlow::Continue(())).unwrap();
     let expected = (0..6).flat_map(|i| (0..6).map(move |j| i * i + j * j)).filter(|&s| s <= 30).count();
     assert_eq!(spectrum.basis.eigenvalues().len(), expected);
@@ -123,9 +124,10 @@ fn surfaces_are_bounded_by_their_area() {
 fn bounds_that_are_none_and_too_little_memory_are_errors() {
     let grid = solid([12; 3], 1.0, |_| true);
     for bound in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let parameters = SpectrumParameters { eigenpairs: Extent::Below(bound), ..Default::default() };
+        let parameters =
+            SpectrumParameters { eigenpairs: EigenpairRange::LambdaMax(bound), ..Default::default() };
         let error = smallest_eigenpairs_of_grid(&grid, &parameters, &|_| ControlFlow::Continue(()));
-        assert!(matches!(error, Err(SpectralError::BadParameter { .. })), "{bound}");
+        assert!(matches!(error, Err(SpectralError::InvalidParameter(_))), "{bound}");
     }
     let operator = grid_laplacian(&grid);
     assert_eq!(count_below(&operator, -1.0, None), Ok(0));

@@ -4,24 +4,11 @@ use std::ops::ControlFlow;
 
 use faer::{Mat, Side};
 use mser3d_laplace::{Operator, cotangent_laplacian, grid_laplacian};
-use mser3d_shape::{BitGrid, Frame, TriangleMesh, VoxelGrid};
+use mser3d_shape::{BitGrid, Frame, SplitMix64, TriangleMesh, VoxelGrid};
 use mser3d_spectral::{
     Eigensolver, SpectralError, Spectrum, SpectrumParameters, smallest_eigenpairs,
     smallest_eigenpairs_of_grid,
 };
-
-/// A reproducible stream of numbers in [0, 1) (SplitMix64).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
 
 fn solid(dims: [usize; 3], spacing: [f64; 3], mut inside: impl FnMut([u32; 3]) -> bool) -> VoxelGrid {
     let frame = Frame::new(dims, [0.0; 3], spacing).unwrap();
@@ -200,9 +187,9 @@ fn equal_pieces_and_dust() {
 fn percolation_clusters() {
     let mut faults = Vec::new();
     for (seed, p) in [(1, 0.36), (2, 0.45), (3, 0.7)] {
-        let mut random = Random(seed);
+        let mut random = SplitMix64::new(seed);
         let side = (1700.0f64 / p).cbrt() as usize;
-        let grid = solid([side; 3], [1.0; 3], |_| random.next() < p);
+        let grid = solid([side; 3], [1.0; 3], |_| random.uniform() < p);
         faults.extend(faults_of_grid(&format!("percolation {p}"), &grid, &[1, 20]));
         let largest = grid.largest_component().0;
         faults.extend(faults_of_grid(&format!("cluster {p}"), &largest, &[1, 2, 10]));
@@ -266,8 +253,9 @@ fn slivers_open_and_non_manifold_meshes() {
         let mesh = sheet(30, |u, v| [u, squeeze * v, 0.0]);
         faults.extend(faults_of_mesh(&format!("slivers {squeeze}"), &mesh, &[2, 20]));
     }
-    let mut random = Random(7);
-    let mesh = sheet(30, |u, v| [u + 0.03 * random.next(), v + 0.03 * random.next(), 0.1 * random.next()]);
+    let mut random = SplitMix64::new(7);
+    let mesh =
+        sheet(30, |u, v| [u + 0.03 * random.uniform(), v + 0.03 * random.uniform(), 0.1 * random.uniform()]);
     faults.extend(faults_of_mesh("crumpled", &mesh, &[2, 20, 100]));
     // Rows of vertices that are nearly one.
     for gap in [1e-3, 1e-6] {

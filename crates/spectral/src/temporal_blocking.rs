@@ -17,8 +17,8 @@ use std::ops::Range;
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
+use crate::kernels::Lanes;
 use crate::stencil::{SlicedStencil, Step};
-use crate::tall::Lanes;
 
 /// Bytes that the slices of a wave may fill of a core's second-level cache, where they stay without being asked
 /// for, and of its share of the third-level cache.

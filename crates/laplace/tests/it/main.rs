@@ -1,0 +1,11 @@
+//! Facts about operators, and how the crate is used.
+
+mod operators;
+
+#[path = "../../examples/cooling.rs"]
+mod cooling;
+
+#[test]
+fn the_example_runs() {
+    cooling::main().unwrap();
+}

@@ -1,0 +1,15 @@
+//! Spectra as facts of the field, and how the crate is used.
+
+mod counts;
+mod odd;
+mod semidefinite;
+mod spectra;
+mod stored;
+
+#[path = "../../examples/drum.rs"]
+mod drum;
+
+#[test]
+fn the_example_runs() {
+    drum::main().unwrap();
+}
