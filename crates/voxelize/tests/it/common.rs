@@ -115,7 +115,7 @@ impl Random {
     }
 }
 
-/// Real shapes, if they are there.
+/// Real shapes; none, and a word about it, where they are absent.
 pub fn real_shapes() -> Vec<(String, TriangleMesh)> {
     let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/makehuman"));
     let mut files: Vec<PathBuf> = std::fs::read_dir(folder)
@@ -123,6 +123,9 @@ pub fn real_shapes() -> Vec<(String, TriangleMesh)> {
         .unwrap_or_default();
     files.retain(|f| f.extension().is_some_and(|e| e == "off"));
     files.sort();
+    if files.is_empty() {
+        eprintln!("skipped: the shapes of MakeHuman are not there");
+    }
     files
         .iter()
         .map(|f| {

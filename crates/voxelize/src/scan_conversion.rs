@@ -6,7 +6,7 @@
 //! an error bound; where the bound cannot decide, exact predicates do. The result is that of exact
 //! arithmetic on the perturbed grid lines of [`crate::predicates`].
 
-use crate::lattice::{Lattice, Placed, certain_ceiling};
+use crate::centre_lattice::{CentreLattice, PlacedVertex, certain_ceiling};
 use crate::predicates::{orient2d, side};
 use std::ops::Range;
 
@@ -39,14 +39,14 @@ pub(crate) struct Passage {
 
 /// What scan conversion looks at: a lattice, and the vertices on it.
 #[derive(Clone, Copy)]
-pub(crate) struct Columns<'a> {
-    pub lattice: &'a Lattice,
+pub(crate) struct ScanConverter<'a> {
+    pub lattice: &'a CentreLattice,
     pub vertices: &'a [[f64; 3]],
-    pub placed: &'a [Placed],
+    pub placed: &'a [PlacedVertex],
     pub axes: Axes,
 }
 
-impl Columns<'_> {
+impl ScanConverter<'_> {
     /// Calls `emit` for each grid line that passes through a triangle.
     #[inline]
     pub fn scan(&self, triangle: [u32; 3], mut emit: impl FnMut(Passage)) {
@@ -127,7 +127,7 @@ struct Edge {
 
 impl Edge {
     #[inline]
-    fn new(space: &Columns, ends: [u32; 2], placed: [&Placed; 2]) -> Self {
+    fn new(space: &ScanConverter, ends: [u32; 2], placed: [&PlacedVertex; 2]) -> Self {
         let Axes { u, v, .. } = space.axes;
         let [low, high] = placed;
         let slope = (high.units[u] - low.units[u]) / (high.units[v] - low.units[v]);
@@ -142,7 +142,7 @@ impl Edge {
 
     /// The first column at or beyond the edge in a row that the edge spans: exact.
     #[inline]
-    fn column(&self, space: &Columns, row: u32) -> u32 {
+    fn column(&self, space: &ScanConverter, row: u32) -> u32 {
         let x = self.start[0] + (f64::from(row) - self.start[1]) * self.slope;
         match certain_ceiling(x, self.error) {
             Some(column) => column.clamp(self.columns[0], self.columns[1]),
@@ -151,7 +151,7 @@ impl Edge {
     }
 
     #[cold]
-    fn exact_column(&self, space: &Columns, row: u32) -> u32 {
+    fn exact_column(&self, space: &ScanConverter, row: u32) -> u32 {
         let Axes { u, v, .. } = space.axes;
         let [low, high] = self.ends.map(|i| space.vertices[i as usize]).map(|p| [p[u], p[v]]);
         let height = space.lattice.centres[v][row as usize];
@@ -170,7 +170,7 @@ struct Depth {
 
 impl Depth {
     #[inline]
-    fn new(space: &Columns, placed: [&Placed; 3]) -> Self {
+    fn new(space: &ScanConverter, placed: [&PlacedVertex; 3]) -> Self {
         let Axes { u, v, d } = space.axes;
         let [a, b, c] = placed.map(|p| [p.units[u], p.units[v], p.units[d]]);
         let (p, q): ([f64; 3], [f64; 3]) =

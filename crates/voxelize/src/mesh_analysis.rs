@@ -1,14 +1,15 @@
 //! From the triangles of a file to an oriented surface: what is wrong with a mesh, and which reading
 //! of it makes most sense. Nothing here moves a vertex.
 
-use crate::topology::{EdgeCounts, Edges, consistent_orientation, duplicates, manifold_components, weld};
-use crate::vector::{area_vector, norm};
+use crate::mesh_edges::{EdgeCounts, Edges, consistent_orientation, duplicates, manifold_components, weld};
+use crate::triangle_geometry::area_vector;
+use mser3d_shape::vector::norm;
 use mser3d_shape::{DisjointSets, TriangleMesh};
 use std::borrow::Cow;
 
 /// A mesh read as a surface: vertices merged by position where that closes it, repeated triangles
 /// counted once where that makes it simpler, neighbours oriented alike.
-pub(crate) struct Analysis<'m> {
+pub(crate) struct MeshAnalysis<'m> {
     /// The edges of the file's own triangles.
     pub file: EdgeCounts,
     /// The edges of `triangles`.
@@ -30,7 +31,7 @@ pub(crate) struct Analysis<'m> {
     vertices: usize,
 }
 
-impl<'m> Analysis<'m> {
+impl<'m> MeshAnalysis<'m> {
     pub fn new(mesh: &'m TriangleMesh) -> Self {
         let vertices = mesh.vertices().len();
         let mut triangles = Cow::Borrowed(mesh.triangles());
@@ -128,9 +129,9 @@ impl<'m> Analysis<'m> {
         Some(vertices as i64 - counts.total as i64 + triangles as i64)
     }
 
-    /// Which triangles form a body of their own: joined across edges with two sides, and, where
+    /// Which triangles form a shell of their own: joined across edges with two sides, and, where
     /// more meet, joined with the others that are not balanced there without them.
-    pub fn bodies(&self) -> DisjointSets {
+    pub fn shells(&self) -> DisjointSets {
         let mut sets = manifold_components(self.triangles.len(), &self.edges);
         if self.counts.non_manifold == 0 {
             return sets;

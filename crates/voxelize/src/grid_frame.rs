@@ -1,10 +1,11 @@
 //! The grid around a mesh: how fine, how large, where.
 
-use crate::analysis::Analysis;
-use crate::coarse::{Coarse, Soup};
-use crate::coverage::Rule;
+use crate::coarse_estimate::{CoarseEstimate, Soup};
 use crate::error::VoxelizeError;
-use crate::parameters::{Method, Pitch, VoxelizeParameters};
+use crate::inside_rule::InsideRule;
+use crate::inside_test::InsideTest;
+use crate::mesh_analysis::MeshAnalysis;
+use crate::parameters::{Pitch, VoxelizeParameters};
 use crate::surface::Surface;
 use mser3d_shape::{Frame, TriangleMesh};
 
@@ -16,14 +17,15 @@ const MARGIN: f64 = 1.0;
 pub(crate) fn frame(
     mesh: &TriangleMesh,
     surface: &Surface,
-    analysis: &Analysis,
-    rule: Rule,
-    method: Method,
+    analysis: &MeshAnalysis,
+    rule: InsideRule,
+    inside_test: InsideTest,
     parameters: &VoxelizeParameters,
 ) -> Result<Frame, VoxelizeError> {
     let coarse = || {
         let (triangles, boundary_edges) = (mesh.triangles().len(), analysis.counts.boundary);
-        Coarse::of(surface, rule, method).map_err(|Soup| VoxelizeError::Soup { triangles, boundary_edges })
+        CoarseEstimate::of(surface, rule, inside_test)
+            .map_err(|Soup| VoxelizeError::Soup { triangles, boundary_edges })
     };
     // A soup is refused before it takes hours.
     let scattered = if surface.scattered() { Some(coarse()?) } else { None };
@@ -41,7 +43,7 @@ pub(crate) fn frame(
         Pitch::Voxels(n) => {
             let estimate = || match &scattered {
                 Some(coarse) => Ok(coarse.as_ref().map(|coarse| coarse.volume)),
-                None if rule == Rule::Parity => Ok(coarse()?.map(|coarse| coarse.volume)),
+                None if rule == InsideRule::Parity => Ok(coarse()?.map(|coarse| coarse.volume)),
                 None => Ok(Some(surface.volume())),
             };
             [counted_pitch(n, mesh, surface, analysis, estimate)?.ok_or_else(no_volume)?; 3]
@@ -57,14 +59,14 @@ fn counted_pitch(
     n: usize,
     mesh: &TriangleMesh,
     surface: &Surface,
-    analysis: &Analysis,
+    analysis: &MeshAnalysis,
     estimate: impl FnOnce() -> Result<Option<f64>, VoxelizeError>,
 ) -> Result<Option<f64>, VoxelizeError> {
     let own = mesh.signed_volume().abs();
     let Some(longest) = resolution_pitch(surface, 1) else { return Ok(None) };
     let as_it_is = analysis.file.unbalanced == 0
         && !analysis.dropped_duplicates
-        && [0, surface.bodies.len()].contains(&surface.inverted);
+        && [0, surface.shells.len()].contains(&surface.inverted);
     if as_it_is && own.is_normal() && own > LEAST_VOLUME * longest.powi(3) {
         return Ok(Some((own / n as f64).cbrt()));
     }
@@ -158,7 +160,7 @@ pub(crate) fn nothing_inside(
     }
     VoxelizeError::NoVolume {
         triangles: mesh.triangles().len(),
-        boundary_edges: crate::topology::EdgeCounts::of(&crate::topology::Edges::new(
+        boundary_edges: crate::mesh_edges::EdgeCounts::of(&crate::mesh_edges::Edges::new(
             mesh.vertices().len(),
             mesh.triangles(),
             |_| true,

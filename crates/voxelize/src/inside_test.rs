@@ -1,11 +1,34 @@
-//! Which method suits a mesh, and why.
+//! How to tell inside from outside: the tests, and which of them suits a mesh.
 
-use crate::analysis::Analysis;
-use crate::parameters::Method;
+use crate::mesh_analysis::MeshAnalysis;
 use std::fmt;
 
-/// Why a voxelization method was used.
+mser3d_shape::choice! {
+    /// How to tell inside from outside.
+    pub enum InsideTest("inside test") {
+        /// What the mesh needs, as its diagnosis says
+        ///
+        /// See [`diagnose`](crate::diagnose).
+        #[default]
+        Auto = "auto",
+        /// Crossings of rays along x, counted modulo 2: closed meshes only
+        ///
+        /// Needs no orientation. Every hole leaks a line of voxels, and bodies that overlap cancel.
+        Parity = "parity",
+        /// The same along x, y and z, and the majority
+        Vote = "vote",
+        /// The winding number: for open and overlapping meshes too
+        ///
+        /// Neighbouring triangles are given one orientation first. An exact integer on closed surfaces, the
+        /// generalized winding number (Jacobson et al. 2013) where there are holes.
+        Winding = "winding",
+    }
+}
+
+/// Why an inside test was used. [`Display`](fmt::Display) makes a sentence of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub enum Reason {
     /// The user asked for it.
@@ -67,18 +90,18 @@ impl fmt::Display for Reason {
     }
 }
 
-/// The method for a mesh; never [`Method::Auto`].
-pub(crate) fn choose(asked: Method, analysis: &Analysis) -> (Method, Reason) {
-    if asked != Method::Auto {
+/// The inside test for a mesh; never [`InsideTest::Auto`].
+pub(crate) fn choose(asked: InsideTest, analysis: &MeshAnalysis) -> (InsideTest, Reason) {
+    if asked != InsideTest::Auto {
         return (asked, Reason::Forced);
     }
     let counts = &analysis.counts;
     let (boundary_edges, turned) = (counts.boundary, analysis.turned);
     match (analysis.one_sided, counts.odd, counts.unbalanced) {
-        (0, _, 0) if turned == 0 => (Method::Winding, Reason::Closed),
-        (0, _, 0) => (Method::Winding, Reason::ClosedAfterTurning { turned }),
-        (0, _, _) => (Method::Winding, Reason::Open { boundary_edges, turned }),
-        (components, 0, _) => (Method::Parity, Reason::OneSided { components }),
-        (components, _, _) => (Method::Vote, Reason::OneSidedAndOpen { components, boundary_edges }),
+        (0, _, 0) if turned == 0 => (InsideTest::Winding, Reason::Closed),
+        (0, _, 0) => (InsideTest::Winding, Reason::ClosedAfterTurning { turned }),
+        (0, _, _) => (InsideTest::Winding, Reason::Open { boundary_edges, turned }),
+        (components, 0, _) => (InsideTest::Parity, Reason::OneSided { components }),
+        (components, _, _) => (InsideTest::Vote, Reason::OneSidedAndOpen { components, boundary_edges }),
     }
 }

@@ -1,8 +1,6 @@
 //! Meshes with faults: the solid is that of the whole mesh, and the diagnosis names the fault.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use mser3d_shape::{BitGrid, Frame, TriangleMesh};
 use mser3d_voxelize::*;
 
@@ -23,10 +21,10 @@ fn differing(a: &BitGrid, b: &BitGrid) -> usize {
 }
 
 /// The wrong voxels of a damaged mesh, as a part of all inside.
-fn error_on(whole: &TriangleMesh, damaged: &TriangleMesh, method: Method) -> f64 {
+fn error_on(whole: &TriangleMesh, damaged: &TriangleMesh, test: InsideTest) -> f64 {
     let reference = voxelize(whole, &parameters(96)).unwrap();
     let frame = Some(*reference.grid.frame());
-    let found = voxelize(damaged, &VoxelizeParameters { frame, method, ..parameters(96) }).unwrap();
+    let found = voxelize(damaged, &VoxelizeParameters { frame, inside: test, ..parameters(96) }).unwrap();
     differing(reference.grid.occupancy(), found.grid.occupancy()) as f64 / reference.grid.len() as f64
 }
 
@@ -47,9 +45,10 @@ fn a_percent_of_the_triangles_missing() {
         let diagnosis = diagnose(&open);
         assert!(!diagnosis.closed && diagnosis.boundary_edges > 100 && diagnosis.boundary_loops > 30);
         assert!(matches!(diagnosis.reason, Reason::Open { turned: 0, .. }));
-        let error = error_on(&mesh, &open, Method::Auto);
+        let error = error_on(&mesh, &open, InsideTest::Auto);
         assert!(error < 1e-3, "{error}");
-        let (parity, vote) = (error_on(&mesh, &open, Method::Parity), error_on(&mesh, &open, Method::Vote));
+        let (parity, vote) =
+            (error_on(&mesh, &open, InsideTest::Parity), error_on(&mesh, &open, InsideTest::Vote));
         assert!(parity > 10.0 * error && parity > 3.0 * vote, "{parity} {vote}");
     }
 }
@@ -61,8 +60,8 @@ fn a_fifth_of_the_triangles_flipped() {
     let diagnosis = diagnose(&flipped);
     assert!(matches!(diagnosis.reason, Reason::ClosedAfterTurning { turned: 1400..1900 }));
     assert!(diagnosis.inconsistent_edges > 1000);
-    assert_eq!(error_on(&mesh, &flipped, Method::Auto), 0.0);
-    assert_eq!(error_on(&mesh, &flipped, Method::Parity), 0.0);
+    assert_eq!(error_on(&mesh, &flipped, InsideTest::Auto), 0.0);
+    assert_eq!(error_on(&mesh, &flipped, InsideTest::Parity), 0.0);
     assert!((diagnosis.volume / mesh.signed_volume() - 1.0).abs() < 1e-12);
 }
 
@@ -72,7 +71,7 @@ fn missing_and_flipped_triangles_together() {
     let damaged = with_flips(&with_holes(&mesh, 0.01, 7), 0.2, 9);
     let diagnosis = diagnose(&damaged);
     assert!(matches!(diagnosis.reason, Reason::Open { boundary_edges: 100.., turned: 1400..1900 }));
-    let error = error_on(&mesh, &damaged, Method::Auto);
+    let error = error_on(&mesh, &damaged, InsideTest::Auto);
     assert!(error < 1e-3, "{error}");
 }
 
@@ -99,7 +98,7 @@ fn faces_and_vertices_twice() {
     let repeated = TriangleMesh::new(mesh.vertices().to_vec(), triangles).unwrap();
     let diagnosis = diagnose(&repeated);
     assert!((300..520).contains(&diagnosis.duplicate_triangles));
-    assert_eq!(error_on(&mesh, &repeated, Method::Auto), 0.0);
+    assert_eq!(error_on(&mesh, &repeated, InsideTest::Auto), 0.0);
 
     // Each triangle with vertices of its own, as in an STL file.
     let loose = mesh.triangles().iter().flatten().map(|&v| mesh.vertices()[v as usize]).collect();
@@ -107,10 +106,10 @@ fn faces_and_vertices_twice() {
     let loose = TriangleMesh::new(loose, triangles).unwrap();
     let diagnosis = diagnose(&loose);
     assert!(!diagnosis.closed && diagnosis.closed_when_merged);
-    assert_eq!(error_on(&mesh, &loose, Method::Auto), 0.0);
+    assert_eq!(error_on(&mesh, &loose, InsideTest::Auto), 0.0);
 
     let copies = together(&[mesh.clone(), mesh.clone()]);
-    assert_eq!(error_on(&mesh, &copies, Method::Auto), 0.0);
+    assert_eq!(error_on(&mesh, &copies, InsideTest::Auto), 0.0);
 }
 
 /// The faces of a mesh, then those that `again` makes of each.
@@ -137,7 +136,7 @@ fn every_face_twice_is_counted_once() {
             let extra = twice.triangles().len() - whole.triangles().len();
             assert_eq!(diagnosis.duplicate_triangles, extra);
             assert!((diagnosis.volume / volume - 1.0).abs() < 1e-9);
-            let error = error_on(&mesh, &twice, Method::Auto);
+            let error = error_on(&mesh, &twice, InsideTest::Auto);
             assert!(error < if whole == &mesh { 1e-12 } else { 1e-3 }, "{error}");
             let solid = voxelize(&twice, &VoxelizeParameters::default()).unwrap();
             assert!((solid.grid.len() as f64 / 45_000.0 - 1.0).abs() < 0.02, "{}", solid.grid.len());
@@ -148,7 +147,7 @@ fn every_face_twice_is_counted_once() {
     let ball = sphere([4.0, 0.0, 0.0], 1.0, 4);
     let both = together(&[mesh.clone(), ball.clone()]);
     let one_twice = together(&[repeated(&mesh, |_, t| Some(t)), ball]);
-    assert_eq!(error_on(&both, &one_twice, Method::Auto), 0.0);
+    assert_eq!(error_on(&both, &one_twice, InsideTest::Auto), 0.0);
 }
 
 /// Two boxes that share the corners of a wall have it twice, and need it twice.
@@ -183,20 +182,20 @@ fn overlapping_bodies_are_a_union_and_parity_cancels() {
     let both = together(&[a.clone(), b.clone()]);
     let union = voxelize(&both, &parameters(96)).unwrap();
     let frame = Some(*union.grid.frame());
-    let on = |mesh: &TriangleMesh, method, overlap| {
-        let parameters = VoxelizeParameters { frame, method, overlap, ..parameters(96) };
+    let on = |mesh: &TriangleMesh, test, overlap| {
+        let parameters = VoxelizeParameters { frame, inside: test, overlap, ..parameters(96) };
         voxelize(mesh, &parameters).unwrap()
     };
-    let (a, b) = (on(&a, Method::Auto, Overlap::Auto), on(&b, Method::Auto, Overlap::Auto));
+    let (a, b) = (on(&a, InsideTest::Auto, Overlap::Auto), on(&b, InsideTest::Auto, Overlap::Auto));
     let words = |f: fn(u64, u64) -> u64| -> Vec<u64> {
         a.grid.occupancy().words().iter().zip(b.grid.occupancy().words()).map(|(a, b)| f(*a, *b)).collect()
     };
     assert_eq!(union.grid.occupancy().words(), words(|a, b| a | b));
     // The crease between the bodies may part a few neighbours, but not the bodies.
     assert!(union.cut_links < 30 && union.grid.components().len() == 1);
-    assert_eq!(on(&both, Method::Winding, Overlap::Join).grid, union.grid);
-    assert_eq!(on(&both, Method::Winding, Overlap::Part).grid.occupancy().words(), words(|a, b| a ^ b));
-    assert_eq!(on(&both, Method::Parity, Overlap::Auto).grid.occupancy().words(), words(|a, b| a ^ b));
+    assert_eq!(on(&both, InsideTest::Winding, Overlap::Join).grid, union.grid);
+    assert_eq!(on(&both, InsideTest::Winding, Overlap::Part).grid.occupancy().words(), words(|a, b| a ^ b));
+    assert_eq!(on(&both, InsideTest::Parity, Overlap::Auto).grid.occupancy().words(), words(|a, b| a ^ b));
     let doubled: u32 = words(|a, b| a & b).iter().map(|w| w.count_ones()).sum();
     let volume = f64::from(doubled) * union.grid.frame().voxel_volume();
     assert!((union.overlap_volume / volume - 1.0).abs() < 1e-12);
@@ -207,7 +206,7 @@ fn overlapping_bodies_are_a_union_and_parity_cancels() {
 #[test]
 fn overlapping_open_bodies_are_a_union_too() {
     let whole = together(&[sphere([0.0; 3], 1.0, 5), sphere([0.8, 0.3, 0.1], 0.9, 5)]);
-    let error = error_on(&whole, &with_holes(&whole, 0.01, 17), Method::Auto);
+    let error = error_on(&whole, &with_holes(&whole, 0.01, 17), InsideTest::Auto);
     assert!(error < 1e-3, "{error}");
 }
 
@@ -217,13 +216,13 @@ fn an_inner_shell_is_a_cavity() {
     let volume = outer.signed_volume() - inner.signed_volume();
     let hollow = together(&[outer, inside_out(&inner)]);
     assert_eq!((diagnose(&hollow).cavities, diagnose(&hollow).inverted_bodies), (1, 0));
-    for (mesh, method) in [
-        (&hollow, Method::Auto),
-        (&inside_out(&hollow), Method::Auto),
-        (&hollow, Method::Parity),
-        (&with_holes(&hollow, 0.01, 19), Method::Auto),
+    for (mesh, test) in [
+        (&hollow, InsideTest::Auto),
+        (&inside_out(&hollow), InsideTest::Auto),
+        (&hollow, InsideTest::Parity),
+        (&with_holes(&hollow, 0.01, 19), InsideTest::Auto),
     ] {
-        let solid = voxelize(mesh, &VoxelizeParameters { method, ..parameters(96) }).unwrap();
+        let solid = voxelize(mesh, &VoxelizeParameters { inside: test, ..parameters(96) }).unwrap();
         assert!((solid.grid.volume() / volume - 1.0).abs() < 5e-3);
         assert!(!solid.grid.occupancy().get(solid.grid.frame().locate([0.1, 0.0, 0.0]).map(|x| x as u32)));
     }
@@ -244,14 +243,14 @@ fn a_fin_and_a_sheet_add_nothing() {
     triangles.push([a, b, vertices.len() as u32 - 1]);
     let finned = TriangleMesh::new(vertices, triangles).unwrap();
     assert_eq!(diagnose(&finned).non_manifold_edges, 1);
-    assert!(error_on(&mesh, &finned, Method::Auto) < 1e-3);
+    assert!(error_on(&mesh, &finned, InsideTest::Auto) < 1e-3);
 
     // A sheet of two faces back to back, through the inside and out.
     let corners = vec![[-1.1, -0.9, 0.013], [1.2, -0.8, 0.013], [0.1, 1.3, 0.013]];
     let sheet = TriangleMesh::new(corners, vec![[0, 1, 2], [0, 2, 1]]).unwrap();
     let both = together(&[mesh.clone(), sheet]);
     assert_eq!((diagnose(&mesh).flat_bodies, diagnose(&both).flat_bodies), (0, 1));
-    assert_eq!(error_on(&mesh, &both, Method::Auto), 0.0);
+    assert_eq!(error_on(&mesh, &both, InsideTest::Auto), 0.0);
     assert_eq!(
         voxelize(&both, &parameters(96)).unwrap().cut_links,
         voxelize(&mesh, &parameters(96)).unwrap().cut_links
@@ -336,6 +335,6 @@ fn bad_input_is_a_clear_error() {
     ));
     for pitch in [Pitch::Size(-1.0), Pitch::Size(f64::NAN), Pitch::Voxels(0), Pitch::Resolution(0)] {
         let bad = VoxelizeParameters { pitch, ..Default::default() };
-        assert!(matches!(error(&ball, &bad), VoxelizeError::BadParameter { .. }));
+        assert!(matches!(error(&ball, &bad), VoxelizeError::InvalidParameter(_)));
     }
 }

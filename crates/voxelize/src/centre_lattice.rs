@@ -4,7 +4,7 @@ use mser3d_shape::Frame;
 use rayon::prelude::*;
 
 /// The centres of a frame's voxels, and the map to *grid units* in which centre i lies at i.
-pub(crate) struct Lattice {
+pub(crate) struct CentreLattice {
     pub dims: [usize; 3],
     /// The exact coordinates of the centres along each axis.
     pub centres: [Vec<f64>; 3],
@@ -16,14 +16,14 @@ pub(crate) struct Lattice {
 
 /// A vertex on a lattice.
 #[derive(Clone, Copy)]
-pub(crate) struct Placed {
+pub(crate) struct PlacedVertex {
     /// In grid units, up to the lattice's tolerance.
     pub units: [f64; 3],
     /// The first centre at or beyond the vertex along each axis, exact; the number of centres if there is none.
     pub first: [u32; 3],
 }
 
-impl Lattice {
+impl CentreLattice {
     /// `scale` is a power of two that every coordinate is multiplied with; `reach` bounds the
     /// scaled coordinates of the mesh.
     pub fn new(frame: &Frame, scale: f64, reach: f64) -> Self {
@@ -48,10 +48,10 @@ impl Lattice {
     }
 
     /// All vertices on this lattice.
-    pub fn place(&self, vertices: &[[f64; 3]]) -> Vec<Placed> {
+    pub fn place(&self, vertices: &[[f64; 3]]) -> Vec<PlacedVertex> {
         let place = |p: &[f64; 3]| {
             let units = std::array::from_fn(|a| (p[a] - self.origin[a]) * self.inverse[a] - 0.5);
-            Placed { units, first: std::array::from_fn(|a| self.first_at_or_beyond(a, p[a], units[a])) }
+            PlacedVertex { units, first: std::array::from_fn(|a| self.first_at_or_beyond(a, p[a], units[a])) }
         };
         vertices.par_iter().with_min_len(1 << 12).map(place).collect()
     }
@@ -106,7 +106,7 @@ mod tests {
     #[test]
     fn vertices_fall_before_the_right_centre() {
         let frame = Frame::new([4, 4, 4], [0.1, 0.2, 0.3], [0.7; 3]).unwrap();
-        let lattice = Lattice::new(&frame, 1.0, 3.0);
+        let lattice = CentreLattice::new(&frame, 1.0, 3.0);
         for i in 0..4 {
             let centre = frame.centre([i; 3]);
             for (x, first) in

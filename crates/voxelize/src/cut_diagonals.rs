@@ -1,15 +1,16 @@
 //! Links to the 20 neighbours that share only an edge or a corner: cut by the rule of the face links, the
 //! crossings of each segment found in a hierarchy of the triangles.
 
+use crate::axis_sweep::Crossing;
 use crate::bvh::Bvh;
-use crate::coverage::State;
-use crate::solid::Scene;
-use crate::sweep::Crossing;
-use crate::vector::{Vec3, area_vector, dot, sub};
+use crate::inside_rule::RunningWinding;
+use crate::placed_surface::PlacedSurface;
+use crate::triangle_geometry::area_vector;
+use mser3d_shape::vector::{Vec3, dot, sub};
 use mser3d_shape::{DIAGONALS, VoxelGrid};
 use rayon::prelude::*;
 
-impl Scene<'_> {
+impl PlacedSurface<'_> {
     /// The pairs of diagonal neighbours that the surface parts. Cost: 10 short segments for each voxel.
     pub fn cut_diagonals(&self, grid: &VoxelGrid) -> Vec<[u32; 2]> {
         let corners = (0..self.surface.triangles.len()).map(|t| self.surface.corners(t)).collect();
@@ -41,7 +42,7 @@ impl Scene<'_> {
             return crossings.len() >= 2;
         }
         // The winding numbers at p, from far outside.
-        let mut state = State::new(self.surface, self.rule);
+        let mut state = RunningWinding::new(self.surface, self.rule);
         let outside = [p[0].min(0.0) - 3.0 * self.surface.reach, p[1], p[2]];
         bvh.visit_crossings(outside, p, |t, entering| {
             let crossing = Crossing::new(0, t, entering);

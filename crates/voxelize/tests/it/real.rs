@@ -1,8 +1,6 @@
 //! Figures whose limbs come close, and real shapes, when they are there.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use mser3d_voxelize::*;
 
 #[test]

@@ -1,41 +1,11 @@
-//! Three-vectors as arrays.
+//! Areas of triangles, and the solid angles that they take up.
 
-pub(crate) type Vec3 = [f64; 3];
-
-#[inline]
-pub(crate) fn sub(a: Vec3, b: Vec3) -> Vec3 {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-#[inline]
-pub(crate) fn add(a: Vec3, b: Vec3) -> Vec3 {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-#[inline]
-pub(crate) fn scaled(a: Vec3, s: f64) -> Vec3 {
-    a.map(|x| x * s)
-}
-
-#[inline]
-pub(crate) fn dot(a: Vec3, b: Vec3) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-#[inline]
-pub(crate) fn cross(a: Vec3, b: Vec3) -> Vec3 {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-#[inline]
-pub(crate) fn norm(a: Vec3) -> f64 {
-    dot(a, a).sqrt()
-}
+use mser3d_shape::vector::{Vec3, cross, dot, norm, scale, sub};
 
 /// The area of a triangle times its unit normal.
 #[inline]
 pub(crate) fn area_vector([a, b, c]: &[Vec3; 3]) -> Vec3 {
-    scaled(cross(sub(*b, *a), sub(*c, *a)), 0.5)
+    scale(cross(sub(*b, *a), sub(*c, *a)), 0.5)
 }
 
 /// The solid angle of a triangle seen from p over 4 pi: its part of the winding number

@@ -1,26 +1,26 @@
-//! The winding number of open bodies: an integer that columns give, less that of the caps.
+//! The winding number of open shells: an integer that columns give, less that of the caps.
 
 use crate::bvh::WindingTree;
-use crate::coverage::UNCLEAR;
-use crate::lattice::Lattice;
+use crate::centre_lattice::CentreLattice;
+use crate::inside_rule::UNCLEAR;
 use crate::surface::Surface;
-use crate::vector::Vec3;
 use mser3d_shape::BoundingBox;
+use mser3d_shape::vector::Vec3;
 use rayon::prelude::*;
 
-/// Where the caps of open bodies matter, and what they add there.
+/// Where the caps of open shells matter, and what they add there.
 ///
-/// A body and its caps form a closed chain of integer winding number n, so the body alone has
+/// A shell and its caps form a closed chain of integer winding number n, so the shell alone has
 /// `w = n - w(caps)`, exactly. The caps are few, and only near holes can they move w across 1/2: all
 /// over a block of voxels where a bound certifies |w(caps)| < 1/2 - `UNCLEAR`, n decides. In the other blocks
 /// w(caps) is evaluated once for each voxel.
-pub(crate) struct HoleField {
-    /// The open bodies.
-    bodies: Vec<u32>,
+pub(crate) struct HoleCorrections {
+    /// The open shells.
+    shells: Vec<u32>,
     blocks: [usize; 3],
     /// The place of each block's values, or `UNMARKED`.
     places: Vec<u32>,
-    /// What to add to n, in steps of `STEP`: by block, then body, then voxel.
+    /// What to add to n, in steps of `STEP`: by block, then shell, then voxel.
     values: Vec<i16>,
 }
 
@@ -32,16 +32,16 @@ const UNMARKED: u32 = u32::MAX;
 /// Far finer than the evaluation's error; values reach +-8, beyond which they only need to be large.
 const STEP: f64 = 1.0 / 4096.0;
 
-/// What an open body adds to its integer winding number: less its caps, or all of a scattered body's triangles.
+/// What an open shell adds to its integer winding number: less its caps, or all of a scattered shell's triangles.
 struct Part {
-    body: u32,
+    shell: u32,
     sign: f64,
     tree: WindingTree,
 }
 
-impl HoleField {
-    /// `None` when every body is closed.
-    pub fn new(surface: &Surface, lattice: &Lattice) -> Option<Self> {
+impl HoleCorrections {
+    /// `None` when every shell is closed.
+    pub fn new(surface: &Surface, lattice: &CentreLattice) -> Option<Self> {
         let parts = parts(surface);
         if parts.is_empty() {
             return None;
@@ -65,7 +65,7 @@ impl HoleField {
         for (place, &i) in marked.iter().enumerate() {
             places[i] = place as u32;
         }
-        Some(Self { bodies: parts.iter().map(|p| p.body).collect(), blocks, places, values })
+        Some(Self { shells: parts.iter().map(|p| p.shell).collect(), blocks, places, values })
     }
 
     fn place(&self, voxel: [usize; 3]) -> u32 {
@@ -79,18 +79,18 @@ impl HoleField {
         self.place(voxel) != UNMARKED
     }
 
-    /// What to add to the integer winding number of each open body at a marked voxel.
+    /// What to add to the integer winding number of each open shell at a marked voxel.
     pub fn corrections(&self, voxel: [usize; 3]) -> impl Iterator<Item = (u32, f64)> + '_ {
         let [i, j, k] = voxel.map(|x| x % BLOCK);
-        let first = self.place(voxel) as usize * self.bodies.len() * VOLUME + (k * BLOCK + j) * BLOCK + i;
+        let first = self.place(voxel) as usize * self.shells.len() * VOLUME + (k * BLOCK + j) * BLOCK + i;
         let value = move |b: usize| f64::from(self.values[first + b * VOLUME]) * STEP;
-        self.bodies.iter().enumerate().map(move |(b, &body)| (body, value(b)))
+        self.shells.iter().enumerate().map(move |(b, &shell)| (shell, value(b)))
     }
 }
 
 impl Part {
     /// The values of a block's voxels; those beyond the grid's end are never read.
-    fn evaluate(&self, lattice: &Lattice, block: [usize; 3], values: &mut [i16]) {
+    fn evaluate(&self, lattice: &CentreLattice, block: [usize; 3], values: &mut [i16]) {
         let target = bounds(lattice, block);
         let place = |v: usize| {
             let offset = [v % BLOCK, v / BLOCK % BLOCK, v / BLOCK / BLOCK];
@@ -105,7 +105,7 @@ impl Part {
 }
 
 /// The box around the centres of a block's voxels.
-fn bounds(lattice: &Lattice, block: [usize; 3]) -> BoundingBox {
+fn bounds(lattice: &CentreLattice, block: [usize; 3]) -> BoundingBox {
     let end = |a: usize| (block[a] * BLOCK + BLOCK - 1).min(lattice.dims[a] - 1);
     BoundingBox {
         min: std::array::from_fn(|a| lattice.centres[a][block[a] * BLOCK]),
@@ -117,17 +117,17 @@ fn parts(surface: &Surface) -> Vec<Part> {
     if surface.closed() {
         return Vec::new();
     }
-    let mut corners = vec![Vec::new(); surface.bodies.len()];
+    let mut corners = vec![Vec::new(); surface.shells.len()];
     for t in 0..surface.triangles.len() {
-        let body = surface.body_of(t);
-        let info = &surface.bodies[body];
+        let shell = surface.shell_of(t);
+        let info = &surface.shells[shell];
         if !info.closed && info.scattered == (t < surface.caps) {
-            corners[body].push(surface.corners(t));
+            corners[shell].push(surface.corners(t));
         }
     }
-    let part = |(body, corners): (usize, Vec<[Vec3; 3]>)| Part {
-        body: body as u32,
-        sign: if surface.bodies[body].scattered { 1.0 } else { -1.0 },
+    let part = |(shell, corners): (usize, Vec<[Vec3; 3]>)| Part {
+        shell: shell as u32,
+        sign: if surface.shells[shell].scattered { 1.0 } else { -1.0 },
         tree: WindingTree::over(corners),
     };
     corners.into_iter().enumerate().filter(|c| !c.1.is_empty()).map(part).collect()

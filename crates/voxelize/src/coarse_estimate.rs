@@ -1,11 +1,11 @@
 //! What a coarse grid says about a surface, before a fine one is made.
 
-use crate::coverage::Rule;
-use crate::framing;
-use crate::parameters::Method;
-use crate::solid::Solid;
+use crate::grid_frame;
+use crate::inside_rule::InsideRule;
+use crate::inside_test::InsideTest;
 use crate::surface::Surface;
-use crate::vector::area_vector;
+use crate::triangle_geometry::area_vector;
+use crate::voxel_fill::Solid;
 
 /// Voxels along the longest side of the coarse grid.
 const RESOLUTION: usize = 48;
@@ -18,7 +18,7 @@ const CROWDED: f64 = 0.5;
 const DOUBTFUL: f64 = 0.5;
 
 /// A surface on a coarse grid.
-pub(crate) struct Coarse {
+pub(crate) struct CoarseEstimate {
     /// Volume inside, in scaled units.
     pub volume: f64,
     /// The part of it that is covered more than once.
@@ -29,18 +29,18 @@ pub(crate) struct Coarse {
 /// grid, for no answer.
 pub(crate) struct Soup;
 
-impl Coarse {
+impl CoarseEstimate {
     /// `None` if nothing is enclosed.
-    pub fn of(surface: &Surface, rule: Rule, method: Method) -> Result<Option<Self>, Soup> {
-        let pitch = framing::resolution_pitch(surface, RESOLUTION);
-        let Some(frame) = pitch.and_then(|pitch| framing::around(surface, pitch).ok()) else {
+    pub fn of(surface: &Surface, rule: InsideRule, inside_test: InsideTest) -> Result<Option<Self>, Soup> {
+        let pitch = grid_frame::resolution_pitch(surface, RESOLUTION);
+        let Some(frame) = pitch.and_then(|pitch| grid_frame::around(surface, pitch).ok()) else {
             return Ok(None);
         };
         let pitch = frame.spacing()[0] * surface.scale;
         if surface.scattered() && crossings_per_voxel(surface, pitch) > CROWDED {
             return Err(Soup);
         }
-        let sweep = crate::voxelization::sweep(surface, &frame, rule, method);
+        let sweep = crate::voxelization::sweep(surface, &frame, rule, inside_test);
         let Ok(Solid { occupancy, doubled, ambiguous, .. }) = sweep else { return Ok(None) };
         let inside = occupancy.count_ones() as f64;
         if inside == 0.0 {

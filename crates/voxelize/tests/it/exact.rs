@@ -1,14 +1,12 @@
 //! The voxels of closed surfaces against answers in exact arithmetic.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use mser3d_shape::{BitGrid, Connectivity, Frame, TriangleMesh, VoxelGrid};
 use mser3d_voxelize::*;
 
-fn on(frame: Frame, mesh: &TriangleMesh, method: Method) -> VoxelGrid {
+fn on(frame: Frame, mesh: &TriangleMesh, test: InsideTest) -> VoxelGrid {
     let parameters =
-        VoxelizeParameters { frame: Some(frame), method, largest_only: false, ..Default::default() };
+        VoxelizeParameters { frame: Some(frame), inside: test, largest_only: false, ..Default::default() };
     match voxelize(mesh, &parameters) {
         Ok(solid) => solid.grid,
         Err(VoxelizeError::Thin { .. }) => {
@@ -20,13 +18,13 @@ fn on(frame: Frame, mesh: &TriangleMesh, method: Method) -> VoxelGrid {
 
 /// All methods on all voxels against a predicate over voxel centres.
 fn agrees(frame: Frame, mesh: &TriangleMesh, inside: impl Fn(Vec3) -> bool) {
-    for method in [Method::Auto, Method::Winding, Method::Parity, Method::Vote] {
-        let grid = on(frame, mesh, method);
+    for test in [InsideTest::Auto, InsideTest::Winding, InsideTest::Parity, InsideTest::Vote] {
+        let grid = on(frame, mesh, test);
         let [nx, ny, nz] = frame.dims().map(|n| n as u32);
         let mut count = 0;
         for voxel in (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k]))) {
             let expected = inside(frame.centre(voxel));
-            assert_eq!(grid.occupancy().get(voxel), expected, "{method:?} at {:?}", frame.centre(voxel));
+            assert_eq!(grid.occupancy().get(voxel), expected, "{test:?} at {:?}", frame.centre(voxel));
             count += usize::from(expected);
         }
         assert!(count > 0);
@@ -137,7 +135,7 @@ fn the_grid_starts_at_the_given_origin() {
     for (pitch, origin) in [([0.1, 0.0, 0.1], [0.0; 3]), ([0.1; 3], [f64::NAN, 0.0, 0.0])] {
         let bad =
             VoxelizeParameters { pitch: Pitch::Spacing(pitch), origin: Some(origin), ..Default::default() };
-        assert!(matches!(voxelize(&mesh, &bad), Err(VoxelizeError::BadParameter { .. })));
+        assert!(matches!(voxelize(&mesh, &bad), Err(VoxelizeError::InvalidParameter(_))));
     }
 }
 
@@ -170,11 +168,11 @@ fn a_sphere_has_its_volume_and_methods_agree() {
     let pitch = (mesh.signed_volume() / 50_000.0).cbrt();
     assert_eq!(solid.grid.frame().spacing(), [pitch; 3]);
     assert!((solid.grid.len() as f64 / 50_000.0 - 1.0).abs() < 2e-3, "{}", solid.grid.len());
-    assert_eq!((solid.method, solid.reason), (Method::Winding, Reason::Closed));
+    assert_eq!((solid.inside, solid.reason), (InsideTest::Winding, Reason::Closed));
     assert_eq!((solid.confidence, solid.cut_links, solid.dropped_voxels), (1.0, 0, 0));
     let frame = *solid.grid.frame();
-    for method in [Method::Parity, Method::Vote] {
-        assert_eq!(on(frame, &mesh, method).occupancy(), solid.grid.occupancy());
+    for test in [InsideTest::Parity, InsideTest::Vote] {
+        assert_eq!(on(frame, &mesh, test).occupancy(), solid.grid.occupancy());
     }
 }
 
@@ -194,9 +192,9 @@ fn random_tetrahedra_match_exact_predicates() {
         }
         let mesh = if volume < 0.0 { inside_out(&mesh) } else { mesh };
         let frame = Frame::new([10; 3], [-0.5; 3], [1.0; 3]).unwrap();
-        let occupancy = on(frame, &mesh, Method::Winding).occupancy().clone();
-        for method in [Method::Parity, Method::Vote] {
-            assert_eq!(on(frame, &mesh, method).occupancy(), &occupancy, "round {round}");
+        let occupancy = on(frame, &mesh, InsideTest::Winding).occupancy().clone();
+        for test in [InsideTest::Parity, InsideTest::Vote] {
+            assert_eq!(on(frame, &mesh, test).occupancy(), &occupancy, "round {round}");
         }
         for voxel in (0..1000).map(|i| [i % 10, i / 10 % 10, i / 100]) {
             let p = voxel.map(i64::from);

@@ -1,8 +1,6 @@
 //! The hierarchy against all triangles, one by one.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use mser3d_shape::TriangleMesh;
 use mser3d_voxelize::*;
 

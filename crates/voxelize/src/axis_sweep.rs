@@ -1,7 +1,7 @@
 //! All crossings of a surface with the grid lines along one axis, line by line.
 
-use crate::columns::{Axes, Columns};
-use crate::lattice::{Lattice, Placed};
+use crate::centre_lattice::{CentreLattice, PlacedVertex};
+use crate::scan_conversion::{Axes, ScanConverter};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -43,8 +43,8 @@ impl Crossing {
 pub(crate) const MAX_TRIANGLES: usize = 1 << 31;
 
 /// The crossings along one axis, in slabs of rows.
-pub(crate) struct Sweep<'a> {
-    columns: Columns<'a>,
+pub(crate) struct AxisSweep<'a> {
+    converter: ScanConverter<'a>,
     triangles: &'a [[u32; 3]],
     slab_rows: usize,
     /// For each chunk of the mesh and each slab: line within the slab, and crossing.
@@ -63,17 +63,17 @@ const CHUNK: usize = 1 << 13;
 /// Lines in a slab: their crossings stay in the cache, and there are slabs enough for all threads.
 const SLAB_LINES: usize = 1 << 13;
 
-impl<'a> Sweep<'a> {
+impl<'a> AxisSweep<'a> {
     /// Finds all crossings. Cost: O(triangles + crossings); 12 bytes a crossing.
     pub fn new(
-        lattice: &'a Lattice,
+        lattice: &'a CentreLattice,
         vertices: &'a [[f64; 3]],
-        placed: &'a [Placed],
+        placed: &'a [PlacedVertex],
         triangles: &'a [[u32; 3]],
         axis: usize,
     ) -> Self {
         let axes = Axes::along(axis);
-        let columns = Columns { lattice, vertices, placed, axes };
+        let converter = ScanConverter { lattice, vertices, placed, axes };
         let (width, rows) = (lattice.dims[axes.u], lattice.dims[axes.v]);
         let slab_rows = (SLAB_LINES / width.max(1)).clamp(1, rows.div_ceil(8).max(1));
         // A power of two spares a division for each crossing.
@@ -87,7 +87,7 @@ impl<'a> Sweep<'a> {
                 let mut lists = vec![Vec::new(); slabs];
                 for (number, &triangle) in triangles.iter().enumerate() {
                     let number = (chunk * CHUNK + number) as u32;
-                    columns.scan(triangle, |p| {
+                    converter.scan(triangle, |p| {
                         let (slab, row) = (p.row as usize >> shift, p.row as usize & (slab_rows - 1));
                         let line = row * width + p.column as usize;
                         lists[slab].push((line as u32, Crossing::new(p.cell, number, p.entering)));
@@ -96,22 +96,22 @@ impl<'a> Sweep<'a> {
                 lists
             })
             .collect();
-        Self { columns, triangles, slab_rows, lists }
+        Self { converter, triangles, slab_rows, lists }
     }
 
     pub fn axes(&self) -> Axes {
-        self.columns.axes
+        self.converter.axes
     }
 
     /// Number of slabs.
     pub fn slabs(&self) -> usize {
-        self.columns.lattice.dims[self.axes().v].div_ceil(self.slab_rows)
+        self.converter.lattice.dims[self.axes().v].div_ceil(self.slab_rows)
     }
 
     /// The rows of a slab.
     pub fn slab_rows(&self, slab: usize) -> Range<usize> {
         let first = slab * self.slab_rows;
-        first..(first + self.slab_rows).min(self.columns.lattice.dims[self.axes().v])
+        first..(first + self.slab_rows).min(self.converter.lattice.dims[self.axes().v])
     }
 
     /// Rows in each slab but perhaps the last.
@@ -121,7 +121,7 @@ impl<'a> Sweep<'a> {
 
     /// The depth at which a line passes through a triangle, in grid units, up to rounding.
     pub fn depth(&self, triangle: usize, column: usize, row: usize) -> f64 {
-        self.columns.depth(self.triangles[triangle], column as u32, row as u32)
+        self.converter.depth(self.triangles[triangle], column as u32, row as u32)
     }
 
     /// Calls `visit(u, v, crossings)` for each line of the slab that crosses the surface (or for `all`
@@ -134,7 +134,7 @@ impl<'a> Sweep<'a> {
         mut visit: impl FnMut(usize, usize, &[Crossing]),
     ) {
         let rows = self.slab_rows(slab);
-        let width = self.columns.lattice.dims[self.axes().u];
+        let width = self.converter.lattice.dims[self.axes().u];
         lines.sort(rows.len() * width, &self.lists, slab);
         for v in rows.clone() {
             for u in 0..width {

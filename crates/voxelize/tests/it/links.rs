@@ -1,8 +1,6 @@
 //! Neighbours that the surface parts are not linked; all others are.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use mser3d_shape::{Connectivity, Frame, TriangleMesh, VoxelGrid};
 use mser3d_voxelize::*;
 

@@ -1,8 +1,6 @@
 //! Triangles that bound nothing, or hang together nowhere: an answer or a clear error, in time and in memory.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use mser3d_shape::TriangleMesh;
 use mser3d_voxelize::*;
 
@@ -38,7 +36,7 @@ fn a_soup_is_refused_and_a_vote_takes_it() {
             let error = voxelize(&soup, &parameters).unwrap_err();
             assert!(matches!(error, VoxelizeError::Soup { .. }), "{error}");
         }
-        let vote = VoxelizeParameters { method: Method::Vote, ..Default::default() };
+        let vote = VoxelizeParameters { inside: InsideTest::Vote, ..Default::default() };
         assert!(voxelize(&soup, &vote).unwrap().confidence < 0.5);
     }
 }
@@ -71,7 +69,7 @@ fn ten_million_triangles() {
     for soup in [tangle(10_000_000), loose(10_000_000, 0.001)] {
         let error = voxelize(&soup, &VoxelizeParameters::default()).unwrap_err();
         assert!(matches!(error, VoxelizeError::Soup { .. } | VoxelizeError::NoVolume { .. }), "{error}");
-        let vote = VoxelizeParameters { method: Method::Vote, ..Default::default() };
+        let vote = VoxelizeParameters { inside: InsideTest::Vote, ..Default::default() };
         assert!(voxelize(&soup, &vote).is_ok());
     }
 }
@@ -84,9 +82,9 @@ fn random_soup_and_extreme_coordinates_do_not_panic() {
         let triangles = (0..100).map(|_| std::array::from_fn(|_| (random.next() * 60.0) as u32)).collect();
         let soup = TriangleMesh::new(vertices, triangles).unwrap();
         diagnose(&soup);
-        for method in [Method::Auto, Method::Parity, Method::Vote, Method::Winding] {
+        for test in [InsideTest::Auto, InsideTest::Parity, InsideTest::Vote, InsideTest::Winding] {
             for pitch in [Pitch::Voxels(500), Pitch::Resolution(12)] {
-                let _ = voxelize(&soup, &VoxelizeParameters { method, pitch, ..Default::default() });
+                let _ = voxelize(&soup, &VoxelizeParameters { inside: test, pitch, ..Default::default() });
             }
         }
     }
