@@ -1,8 +1,6 @@
 //! glTF against cases computed by hand.
 
-mod common;
-
-use common::{CORNERS, Gltf, SIDES, bar};
+use crate::common::{CORNERS, Gltf, SIDES, bar};
 use mser3d_meshio::{LoadedMesh, MeshFormat, ReadOptions, read_mesh_from};
 use std::path::Path;
 

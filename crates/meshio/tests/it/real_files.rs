@@ -7,7 +7,11 @@ use std::path::PathBuf;
 
 fn data(name: &str) -> Option<PathBuf> {
     let path = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")).join(name);
-    path.exists().then_some(path)
+    if !path.exists() {
+        eprintln!("skipped: {name} is not there");
+        return None;
+    }
+    Some(path)
 }
 
 /// Every edge is used once in each direction.

@@ -1,9 +1,7 @@
 //! Damaged files are errors or other meshes, never panics, and never cost more memory than a small
 //! multiple of their size.
 
-mod common;
-
-use common::bar;
+use crate::common::bar;
 use mser3d_meshio::{MeshFormat, ReadOptions, read_mesh_from};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
