@@ -34,6 +34,7 @@ impl ReadOptions {
 
 /// A mesh and how it came out of its file.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct LoadedMesh {
     /// The mesh. Vertex i is the i-th vertex of an OBJ, OFF or PLY file, used by a face or not.
     pub mesh: TriangleMesh,

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use mser3d_fileio::FileError;
-use mser3d_volumeio::{Placement, Values, Volume, VolumeIoError, read_volume, write_nifti, write_npy};
+use mser3d_volumeio::{Placement, Samples, Volume, VolumeIoError, read_volume, write_nifti, write_npy};
 use proptest::prelude::*;
 
 /// A turned and stretched box whose numbers f32 holds exactly.
@@ -12,17 +12,17 @@ fn placed() -> Placement {
     Placement { origin: [-4.5, 8.0, 0.25], spacing: [0.5, 0.75, 2.0], directions }
 }
 
-fn of_every_type() -> Vec<Values> {
+fn of_every_type() -> Vec<Samples> {
     let numbers = [0, 1, 2, 3, 100, 5, 6, 7, 8, 9, 10, 127];
     vec![
-        Values::U8(numbers.iter().map(|&x| x as u8).collect()),
-        Values::I8(numbers.iter().map(|&x| -x as i8).collect()),
-        Values::U16(numbers.iter().map(|&x| 400 * x as u16).collect()),
-        Values::I16(numbers.iter().map(|&x| -200 * x as i16).collect()),
-        Values::U32(numbers.iter().map(|&x| 1_000_000 * x as u32).collect()),
-        Values::I32(numbers.iter().map(|&x| -1_000_000 * x).collect()),
-        Values::F32(numbers.iter().map(|&x| 0.1 * x as f32).collect()),
-        Values::F64(numbers.iter().map(|&x| f64::from(x).exp()).collect()),
+        Samples::U8(numbers.iter().map(|&x| x as u8).collect()),
+        Samples::I8(numbers.iter().map(|&x| -x as i8).collect()),
+        Samples::U16(numbers.iter().map(|&x| 400 * x as u16).collect()),
+        Samples::I16(numbers.iter().map(|&x| -200 * x as i16).collect()),
+        Samples::U32(numbers.iter().map(|&x| 1_000_000 * x as u32).collect()),
+        Samples::I32(numbers.iter().map(|&x| -1_000_000 * x).collect()),
+        Samples::F32(numbers.iter().map(|&x| 0.1 * x as f32).collect()),
+        Samples::F64(numbers.iter().map(|&x| f64::from(x).exp()).collect()),
     ]
 }
 
@@ -51,7 +51,7 @@ fn a_mask_is_where_a_volume_is_not_zero() {
     let mask = volume.mask().unwrap();
     assert_eq!(mask.ones().collect::<Vec<_>>(), [[1, 0, 0], [1, 0, 1]]);
     let written = Volume::from_mask(&mask, placed()).unwrap();
-    assert_eq!(*written.values(), Values::U8(vec![0, 1, 0, 1]));
+    assert_eq!(*written.samples(), Samples::U8(vec![0, 1, 0, 1]));
     assert_eq!(volume.frame().unwrap().centre([0, 0, 0]), placed().origin);
 }
 
@@ -65,7 +65,7 @@ fn what_cannot_be_is_refused() {
         ([2, 2, 2], 1, spacing, 8),
     ] {
         let volume = Volume::new(dims, channels, placement, vec![0u8; count]);
-        assert!(matches!(volume, Err(VolumeIoError::BadVolume { .. })));
+        assert!(matches!(volume, Err(VolumeIoError::InvalidVolume { .. })));
     }
     let long = Volume::new([40_000, 1, 1], 1, Placement::default(), vec![0u8; 40_000]).unwrap();
     let folder = tempfile::tempdir().unwrap();
