@@ -1,5 +1,6 @@
 use crate::{AnimationInfo, MeshFormat};
 use mser3d_fileio::FileError;
+use mser3d_shape::{InvalidParameter, ShapeError};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -42,7 +43,7 @@ pub enum MeshIoError {
         /// What is wrong and what to do.
         reason: String,
     },
-    /// The contents are legal, but of a variant that is not read.
+    /// The contents are legal, but of a variant that is not read or that the format cannot hold.
     #[error("{}{}: {reason}", path.display(), Line(*line))]
     Unsupported {
         /// The file.
@@ -63,13 +64,11 @@ pub enum MeshIoError {
         available: Vec<AnimationInfo>,
     },
     /// A parameter is out of its range.
-    #[error("{parameter}: {reason}")]
-    BadParameter {
-        /// Name of the parameter.
-        parameter: &'static str,
-        /// What is wrong and what to do.
-        reason: String,
-    },
+    #[error(transparent)]
+    InvalidParameter(#[from] InvalidParameter),
+    /// An array does not have one value for each vertex or voxel.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
 }
 
 struct Line(Option<usize>);

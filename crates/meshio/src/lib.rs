@@ -88,3 +88,7 @@ pub use read::{LoadedMesh, ReadOptions, read_mesh, read_mesh_from};
 pub use write::{
     VertexAttributes, VoxelField, VoxelValues, write_glb, write_off, write_ply, write_vti, write_vtp,
 };
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}

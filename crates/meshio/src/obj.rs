@@ -107,7 +107,7 @@ fn copy<'a>(out: &mut Vec<u8>, words: impl Iterator<Item = &'a [u8]>) -> bool {
     continued
 }
 
-/// The line of the face that tobj rejects: its errors don't say.
+/// Finds the line of the face that tobj rejects, because its errors don't say.
 fn culprit(bytes: &[u8], vertices: usize, error: tobj::LoadError) -> Fault {
     let mut before = 0;
     let mut is_face = false;

@@ -1,4 +1,4 @@
-//! Polygons to triangles.
+//! Polygons are cut into triangles.
 
 /// The faces of a file, cut into triangles as they come.
 #[derive(Default)]
@@ -63,7 +63,7 @@ fn turn([a, b, c]: [[f64; 2]; 3]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// n - 2 triangles. A polygon that crosses itself has no right answer, but gets one.
+/// n - 2 triangles. For a polygon that crosses itself no answer is right, but it gets one too.
 fn ears(points: &[[f64; 2]]) -> Vec<[usize; 3]> {
     let mut left: Vec<usize> = (0..points.len()).collect();
     let mut triangles = Vec::with_capacity(points.len() - 2);
@@ -80,7 +80,7 @@ fn ears(points: &[[f64; 2]]) -> Vec<[usize; 3]> {
                     !ear.contains(&j) && p != a && p != b && p != c && holds(p)
                 })
         };
-        // Clipping starts at the second corner, as a fan from the first does.
+        // Clipping starts at the second corner, as the fan from the first corner does.
         let ear = (1..n).chain([0]).find(is_ear).unwrap_or(1);
         triangles.push(corner(ear));
         left.remove(ear);

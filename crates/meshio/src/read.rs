@@ -2,7 +2,7 @@ use crate::error::Fault;
 use crate::write::check_length;
 use crate::{MeshFormat, MeshIoError, gltf, obj, off, ply, stl};
 use mser3d_fileio::read_bytes;
-use mser3d_shape::TriangleMesh;
+use mser3d_shape::{InvalidParameter, TriangleMesh};
 use std::path::Path;
 
 /// What to read of a file.
@@ -17,24 +17,24 @@ pub struct ReadOptions {
 }
 
 impl ReadOptions {
+    /// Checks the time, which needs an animation.
+    ///
     /// # Errors
-    /// [`MeshIoError::BadParameter`] for a time that is negative, not finite, or given without an
+    /// [`MeshIoError::InvalidParameter`] for a time that is negative, not finite, or given without an
     /// animation.
     pub fn validate(&self) -> Result<(), MeshIoError> {
         if !(self.time.is_finite() && self.time >= 0.0) {
-            let reason = format!("{} is not a number of seconds >= 0", self.time);
-            return Err(MeshIoError::BadParameter { parameter: "time", reason });
+            return Err(InvalidParameter::new("time", self.time, "a number of seconds >= 0").into());
         }
-        if self.time > 0.0 && self.animation.is_none() {
-            let reason = format!("{} s of no animation; choose an animation too", self.time);
-            return Err(MeshIoError::BadParameter { parameter: "time", reason });
-        }
-        Ok(())
+        let fits = self.time == 0.0 || self.animation.is_some();
+        let expected = "0 seconds without an animation; choose an animation too";
+        Ok(InvalidParameter::unless(fits, "time", self.time, expected)?)
     }
 }
 
 /// A mesh and how it came out of its file.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct LoadedMesh {
     /// The mesh. Vertex i is the i-th vertex of an OBJ, OFF or PLY file, used by a face or not.
     pub mesh: TriangleMesh,
@@ -54,7 +54,7 @@ impl LoadedMesh {
     /// Values per mesh vertex as values per vertex of the file.
     ///
     /// # Errors
-    /// [`MeshIoError::BadParameter`] when there is not one value for each mesh vertex.
+    /// [`MeshIoError::Shape`] when there is not one value for each mesh vertex.
     pub fn per_file_vertex<T: Clone>(&self, values: &[T]) -> Result<Vec<T>, MeshIoError> {
         check_length("vertex values", values.len(), self.mesh.vertices().len())?;
         Ok(match &self.weld {

@@ -23,7 +23,7 @@ pub(crate) fn is_binary(bytes: &[u8]) -> bool {
 
 pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
     let mut soup = Soup::default();
-    // Some binary files begin with "solid" too; then their size gives them away.
+    // Some binary files begin with "solid" too; their size shows what they are.
     if !is_binary(bytes) && begins_solid(bytes) && is_text(bytes) {
         ascii(bytes, &mut soup)?;
     } else {

@@ -22,8 +22,8 @@ impl Weld {
     }
 }
 
-/// The triangles over merged vertices, without those that merging left with two equal corners;
-/// how many these were.
+/// The triangles over merged vertices, and how many were left out because merging made two of their
+/// corners equal.
 pub(crate) fn collapse(triangles: impl Iterator<Item = [u32; 3]>, map: &[u32]) -> (Vec<[u32; 3]>, usize) {
     let mut dropped = 0;
     let kept = triangles

@@ -30,7 +30,7 @@ pub enum VolumeIoError {
     },
     /// The parts of a volume do not fit together.
     #[error("{reason}")]
-    BadVolume {
+    InvalidVolume {
         /// What is wrong.
         reason: String,
     },

@@ -1,7 +1,8 @@
 //! Grey-value volumes and voxel masks from files and back: NumPy arrays, NIfTI, NRRD, TIFF stacks.
 //!
 //! A [`Volume`] is a box of voxels, x fastest, each with one value or with several channels, and a
-//! [`Placement`] that says where it lies. [`read_volume`] takes the format from the file's name.
+//! [`Placement`] that says where it lies. [`read_volume`] takes the format from the file's name;
+//! [`read_mask`] reads a solid.
 //!
 //! | format | read | written |
 //! |---|---|---|
@@ -11,10 +12,10 @@
 //! | TIFF `.tif`, `.tiff` | a page for each z; uncompressed, LZW, Deflate, PackBits | no |
 //!
 //! ```
-//! use mser3d_volumeio::{Placement, Values, Volume, read_volume, write_nifti};
+//! use mser3d_volumeio::{Placement, Samples, Volume, read_volume, write_nifti};
 //!
 //! let placement = Placement { spacing: [0.5, 0.5, 2.0], ..Default::default() };
-//! let volume = Volume::new([2, 2, 1], 1, placement, Values::U8(vec![0, 7, 0, 255]))?;
+//! let volume = Volume::new([2, 2, 1], 1, placement, Samples::U8(vec![0, 7, 0, 255]))?;
 //! # let folder = std::env::temp_dir().join(format!("mser3d-volumeio-{}", std::process::id()));
 //! # std::fs::create_dir_all(&folder)?;
 //! let path = folder.join("small.nii.gz");
@@ -31,6 +32,7 @@ mod mask;
 mod nifti;
 mod npy;
 mod nrrd;
+mod sample_type;
 mod samples;
 mod tiff;
 mod volume;
@@ -40,5 +42,9 @@ pub use format::{VolumeFormat, read_volume};
 pub use mask::read_mask;
 pub use nifti::write_nifti;
 pub use npy::write_npy;
-pub use samples::Values;
+pub use samples::Samples;
 pub use volume::{Placement, Volume};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}

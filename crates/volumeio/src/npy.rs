@@ -1,6 +1,6 @@
 //! Arrays of NumPy, the first axis x.
 use crate::error::Fault;
-use crate::{Placement, Values, Volume, VolumeIoError};
+use crate::{Placement, Samples, Volume, VolumeIoError};
 use mser3d_fileio::{NpyArray, NpyValues, read_npy};
 use std::path::Path;
 
@@ -22,15 +22,15 @@ fn volume(array: NpyArray<'static>, first_axis_fastest: bool) -> Result<Volume, 
         }
     };
     let values = match array.values().clone() {
-        NpyValues::U8(v) => Values::U8(v.into_owned()),
-        NpyValues::I8(v) => Values::I8(v.into_owned()),
-        NpyValues::U16(v) => Values::U16(v.into_owned()),
-        NpyValues::I16(v) => Values::I16(v.into_owned()),
-        NpyValues::U32(v) => Values::U32(v.into_owned()),
-        NpyValues::I32(v) => Values::I32(v.into_owned()),
-        NpyValues::I64(v) => Values::F64(v.iter().map(|&x| x as f64).collect()),
-        NpyValues::F32(v) => Values::F32(v.into_owned()),
-        NpyValues::F64(v) => Values::F64(v.into_owned()),
+        NpyValues::U8(v) => Samples::U8(v.into_owned()),
+        NpyValues::I8(v) => Samples::I8(v.into_owned()),
+        NpyValues::U16(v) => Samples::U16(v.into_owned()),
+        NpyValues::I16(v) => Samples::I16(v.into_owned()),
+        NpyValues::U32(v) => Samples::U32(v.into_owned()),
+        NpyValues::I32(v) => Samples::I32(v.into_owned()),
+        NpyValues::I64(v) => Samples::F64(v.iter().map(|&x| x as f64).collect()),
+        NpyValues::F32(v) => Samples::F32(v.into_owned()),
+        NpyValues::F64(v) => Samples::F64(v.into_owned()),
         _ => return Err(Fault::unsupported("an array of this type is not supported; use .astype(float)")),
     };
     let [nx, ny, nz] = dims;
@@ -58,15 +58,15 @@ pub fn write_npy(path: &Path, volume: &Volume) -> Result<(), VolumeIoError> {
     };
     let shape = [nx, ny, nz, channels];
     let shape = if channels == 1 { &shape[..3] } else { &shape[..] };
-    let array = match volume.values().permuted(place) {
-        Values::U8(v) => NpyArray::new(shape, v),
-        Values::I8(v) => NpyArray::new(shape, v),
-        Values::U16(v) => NpyArray::new(shape, v),
-        Values::I16(v) => NpyArray::new(shape, v),
-        Values::U32(v) => NpyArray::new(shape, v),
-        Values::I32(v) => NpyArray::new(shape, v),
-        Values::F32(v) => NpyArray::new(shape, v),
-        Values::F64(v) => NpyArray::new(shape, v),
+    let array = match volume.samples().permuted(place) {
+        Samples::U8(v) => NpyArray::new(shape, v),
+        Samples::I8(v) => NpyArray::new(shape, v),
+        Samples::U16(v) => NpyArray::new(shape, v),
+        Samples::I16(v) => NpyArray::new(shape, v),
+        Samples::U32(v) => NpyArray::new(shape, v),
+        Samples::I32(v) => NpyArray::new(shape, v),
+        Samples::F32(v) => NpyArray::new(shape, v),
+        Samples::F64(v) => NpyArray::new(shape, v),
     }?;
     Ok(mser3d_fileio::write_npy(path, &array)?)
 }
@@ -87,7 +87,7 @@ mod tests {
         let by_rows = volume(array(rows.collect()), false).unwrap();
         assert_eq!(by_rows, volume(array(columns.collect()), true).unwrap());
         assert_eq!((by_rows.dims(), by_rows.channels()), ([nx, ny, nz], nc));
-        let Values::I16(values) = by_rows.values() else { panic!() };
+        let Samples::I16(values) = by_rows.samples() else { panic!() };
         let at = |x, y, z, c| values[((z * ny + y) * nx + x) * nc + c];
         assert_eq!((at(1, 2, 3, 1), at(0, 1, 0, 0), at(1, 0, 2, 1)), (1231, 100, 1021));
     }

@@ -1,7 +1,7 @@
 //! NRRD with its data in the same file (<https://teem.sourceforge.net/nrrd/format.html>).
-use crate::Values;
+use crate::Samples;
 use crate::error::Fault;
-use crate::samples::Sample;
+use crate::sample_type::SampleType;
 use crate::volume::{Placement, Volume, interleaved};
 use flate2::read::MultiGzDecoder;
 use std::collections::HashMap;
@@ -134,17 +134,19 @@ impl Header {
         Ok(Placement::from_steps(turn(origin), steps))
     }
 
-    fn sample(&self) -> Result<Sample, Fault> {
+    fn sample(&self) -> Result<SampleType, Fault> {
         let name = self.required("type")?;
         Ok(match name {
-            "uchar" | "unsigned char" | "uint8" | "uint8_t" => Sample::U8,
-            "signed char" | "int8" | "int8_t" => Sample::I8,
-            "ushort" | "unsigned short" | "unsigned short int" | "uint16" | "uint16_t" => Sample::U16,
-            "short" | "short int" | "signed short" | "signed short int" | "int16" | "int16_t" => Sample::I16,
-            "uint" | "unsigned int" | "uint32" | "uint32_t" => Sample::U32,
-            "int" | "signed int" | "int32" | "int32_t" => Sample::I32,
+            "uchar" | "unsigned char" | "uint8" | "uint8_t" => SampleType::U8,
+            "signed char" | "int8" | "int8_t" => SampleType::I8,
+            "ushort" | "unsigned short" | "unsigned short int" | "uint16" | "uint16_t" => SampleType::U16,
+            "short" | "short int" | "signed short" | "signed short int" | "int16" | "int16_t" => {
+                SampleType::I16
+            }
+            "uint" | "unsigned int" | "uint32" | "uint32_t" => SampleType::U32,
+            "int" | "signed int" | "int32" | "int32_t" => SampleType::I32,
             "ulonglong" | "unsigned long long" | "unsigned long long int" | "uint64" | "uint64_t" => {
-                Sample::U64
+                SampleType::U64
             }
             "longlong"
             | "long long"
@@ -152,14 +154,14 @@ impl Header {
             | "signed long long"
             | "signed long long int"
             | "int64"
-            | "int64_t" => Sample::I64,
-            "float" => Sample::F32,
-            "double" => Sample::F64,
+            | "int64_t" => SampleType::I64,
+            "float" => SampleType::F32,
+            "double" => SampleType::F64,
             _ => return Err(Fault::unsupported(format!("numbers of type {name:?}; save them as float"))),
         })
     }
 
-    fn values(&self, count: usize, mut source: impl BufRead) -> Result<Values, Fault> {
+    fn values(&self, count: usize, mut source: impl BufRead) -> Result<Samples, Fault> {
         let sample = self.sample()?;
         let big_endian = self.text("endian").is_some_and(|e| e.eq_ignore_ascii_case("big"));
         for name in ["line skip", "lineskip", "byte skip", "byteskip"] {
@@ -180,7 +182,7 @@ impl Header {
                     let found = numbers.len();
                     return Err(Fault::invalid(format!("{count} values are promised, {found} are there")));
                 }
-                Ok(Values::F64(numbers))
+                Ok(Samples::F64(numbers))
             }
             other => Err(Fault::unsupported(format!("encoding {other:?}; save the file as raw or gzip"))),
         }
@@ -223,7 +225,7 @@ mod tests {
     #[test]
     fn values_and_placement_as_written() {
         let volume = read(&file(FIELDS, &[0, 1, 255, 254, 0, 3, 1, 144])[..]).unwrap();
-        assert_eq!(*volume.values(), Values::I16(vec![1, -2, 3, 400]));
+        assert_eq!(*volume.samples(), Samples::I16(vec![1, -2, 3, 400]));
         assert_eq!(volume.placement().spacing, [0.5, 0.5, 2.0]);
         assert_eq!(volume.placement().position([1.0, 0.0, 1.0]), [-10.5, -20.0, 32.0]);
     }

@@ -1,6 +1,6 @@
 //! TIFF files with one page for each layer.
 use crate::error::Fault;
-use crate::{Placement, Values, Volume};
+use crate::{Placement, Samples, Volume};
 use std::io::{BufRead, Seek};
 use tiff::decoder::{Decoder, DecodingResult};
 use tiff::{ColorType, TiffError};
@@ -49,32 +49,32 @@ pub(crate) fn read(source: impl BufRead + Seek) -> Result<Volume, Fault> {
     Ok(Volume::new(dims, channels, Placement::default(), values)?)
 }
 
-fn values(page: DecodingResult) -> Result<Values, Fault> {
+fn values(page: DecodingResult) -> Result<Samples, Fault> {
     Ok(match page {
-        DecodingResult::U8(v) => Values::U8(v),
-        DecodingResult::I8(v) => Values::I8(v),
-        DecodingResult::U16(v) => Values::U16(v),
-        DecodingResult::I16(v) => Values::I16(v),
-        DecodingResult::U32(v) => Values::U32(v),
-        DecodingResult::I32(v) => Values::I32(v),
-        DecodingResult::U64(v) => Values::F64(v.into_iter().map(|x| x as f64).collect()),
-        DecodingResult::I64(v) => Values::F64(v.into_iter().map(|x| x as f64).collect()),
-        DecodingResult::F16(v) => Values::F32(v.into_iter().map(f32::from).collect()),
-        DecodingResult::F32(v) => Values::F32(v),
-        DecodingResult::F64(v) => Values::F64(v),
+        DecodingResult::U8(v) => Samples::U8(v),
+        DecodingResult::I8(v) => Samples::I8(v),
+        DecodingResult::U16(v) => Samples::U16(v),
+        DecodingResult::I16(v) => Samples::I16(v),
+        DecodingResult::U32(v) => Samples::U32(v),
+        DecodingResult::I32(v) => Samples::I32(v),
+        DecodingResult::U64(v) => Samples::F64(v.into_iter().map(|x| x as f64).collect()),
+        DecodingResult::I64(v) => Samples::F64(v.into_iter().map(|x| x as f64).collect()),
+        DecodingResult::F16(v) => Samples::F32(v.into_iter().map(f32::from).collect()),
+        DecodingResult::F32(v) => Samples::F32(v),
+        DecodingResult::F64(v) => Samples::F64(v),
     })
 }
 
-fn append(all: &mut Values, page: Values) -> Result<(), Fault> {
+fn append(all: &mut Samples, page: Samples) -> Result<(), Fault> {
     match (all, page) {
-        (Values::U8(all), Values::U8(page)) => all.extend(page),
-        (Values::I8(all), Values::I8(page)) => all.extend(page),
-        (Values::U16(all), Values::U16(page)) => all.extend(page),
-        (Values::I16(all), Values::I16(page)) => all.extend(page),
-        (Values::U32(all), Values::U32(page)) => all.extend(page),
-        (Values::I32(all), Values::I32(page)) => all.extend(page),
-        (Values::F32(all), Values::F32(page)) => all.extend(page),
-        (Values::F64(all), Values::F64(page)) => all.extend(page),
+        (Samples::U8(all), Samples::U8(page)) => all.extend(page),
+        (Samples::I8(all), Samples::I8(page)) => all.extend(page),
+        (Samples::U16(all), Samples::U16(page)) => all.extend(page),
+        (Samples::I16(all), Samples::I16(page)) => all.extend(page),
+        (Samples::U32(all), Samples::U32(page)) => all.extend(page),
+        (Samples::I32(all), Samples::I32(page)) => all.extend(page),
+        (Samples::F32(all), Samples::F32(page)) => all.extend(page),
+        (Samples::F64(all), Samples::F64(page)) => all.extend(page),
         (all, page) => {
             let (first, other) = (all.type_name(), page.type_name());
             return Err(Fault::invalid(format!(
@@ -100,7 +100,7 @@ mod tests {
         let whole = file.into_inner();
         let volume = read(Cursor::new(&whole)).unwrap();
         assert_eq!((volume.dims(), volume.channels()), ([3, 2, 2], 1));
-        assert_eq!(*volume.values(), Values::U16((1..=12).collect()));
+        assert_eq!(*volume.samples(), Samples::U16((1..=12).collect()));
         assert!(read(Cursor::new(&whole[..whole.len() / 2])).is_err());
     }
 

@@ -1,9 +1,11 @@
-use crate::{Values, VolumeIoError};
+use crate::{Samples, VolumeIoError};
 use mser3d_shape::{BitGrid, Frame};
 
 /// Where the voxels of a volume lie: the centre of voxel (i, j, k) is at
 /// `origin + i spacing[0] directions[0] + j spacing[1] directions[1] + k spacing[2] directions[2]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Placement {
     /// The *centre* of voxel (0, 0, 0), in length.
     pub origin: [f64; 3],
@@ -54,30 +56,30 @@ impl Placement {
     }
 }
 
-/// A box of voxels with values.
+/// A box of voxels, each with one number or several.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Volume {
     dims: [usize; 3],
     channels: usize,
     placement: Placement,
-    values: Values,
+    samples: Samples,
 }
 
 impl Volume {
-    /// `dims` voxels along x, y and z, each with `channels` values: voxel (i, j, k) has those from
+    /// `dims` voxels along x, y and z, each with `channels` numbers: voxel (i, j, k) has those from
     /// `((k * dims[1] + j) * dims[0] + i) * channels` on. An image is a volume of one layer.
     ///
     /// # Errors
-    /// [`VolumeIoError::BadVolume`] for another number of values, no voxels or channels, or a spacing that
+    /// [`VolumeIoError::InvalidVolume`] for another count of numbers, no voxels or channels, or a spacing that
     /// is not positive and finite.
     pub fn new(
         dims: [usize; 3],
         channels: usize,
         placement: Placement,
-        values: impl Into<Values>,
+        samples: impl Into<Samples>,
     ) -> Result<Self, VolumeIoError> {
-        let values = values.into();
-        let bad = |reason| Err(VolumeIoError::BadVolume { reason });
+        let samples = samples.into();
+        let bad = |reason| Err(VolumeIoError::InvalidVolume { reason });
         let [nx, ny, nz] = dims;
         match voxel_count(dims).and_then(|n| n.checked_mul(channels)) {
             Some(0) => {
@@ -85,9 +87,9 @@ impl Volume {
                     "a volume of {nx} x {ny} x {nz} voxels and {channels} channels is empty"
                 ));
             }
-            Some(count) if count == values.len() => {}
+            Some(count) if count == samples.len() => {}
             _ => {
-                let count = values.len();
+                let count = samples.len();
                 return bad(format!(
                     "{nx} x {ny} x {nz} voxels of {channels} channels do not fit {count} values"
                 ));
@@ -96,7 +98,7 @@ impl Volume {
         if !placement.spacing.iter().all(|h| h.is_finite() && *h > 0.0) {
             return bad(format!("the spacing {:?} is not positive and finite", placement.spacing));
         }
-        Ok(Self { dims, channels, placement, values })
+        Ok(Self { dims, channels, placement, samples })
     }
 
     /// A mask: 1 inside, 0 outside.
@@ -115,11 +117,11 @@ impl Volume {
     /// The voxels where any channel is not zero.
     ///
     /// # Errors
-    /// [`VolumeIoError::BadVolume`] beyond 2^32 voxels along an axis.
+    /// [`VolumeIoError::InvalidVolume`] beyond 2^32 voxels along an axis.
     pub fn mask(&self) -> Result<BitGrid, VolumeIoError> {
         let mut mask =
-            BitGrid::empty(self.dims).map_err(|e| VolumeIoError::BadVolume { reason: e.to_string() })?;
-        for at in self.values.nonzero() {
+            BitGrid::empty(self.dims).map_err(|e| VolumeIoError::InvalidVolume { reason: e.to_string() })?;
+        for at in self.samples.nonzero() {
             let voxel = at / self.channels;
             let [nx, ny, _] = self.dims;
             mask.set([voxel % nx, voxel / nx % ny, voxel / (nx * ny)].map(|i| i as u32), true);
@@ -132,7 +134,7 @@ impl Volume {
         self.dims
     }
 
-    /// Values of a voxel.
+    /// Samples of a voxel.
     pub fn channels(&self) -> usize {
         self.channels
     }
@@ -142,19 +144,20 @@ impl Volume {
         &self.placement
     }
 
-    /// The values, x fastest, channels of a voxel side by side.
-    pub fn values(&self) -> &Values {
-        &self.values
+    /// The numbers, x fastest, channels of a voxel side by side.
+    pub fn samples(&self) -> &Samples {
+        &self.samples
     }
 
     /// The grid along its own axes: spacing and first corner as placed, directions left out.
     ///
     /// # Errors
-    /// [`VolumeIoError::BadVolume`] for a placement that is not finite.
+    /// [`VolumeIoError::InvalidVolume`] for a placement that is not finite.
     pub fn frame(&self) -> Result<Frame, VolumeIoError> {
         let Placement { origin, spacing, .. } = self.placement;
         let corner = std::array::from_fn(|a| origin[a] - spacing[a] / 2.0);
-        Frame::new(self.dims, corner, spacing).map_err(|e| VolumeIoError::BadVolume { reason: e.to_string() })
+        Frame::new(self.dims, corner, spacing)
+            .map_err(|e| VolumeIoError::InvalidVolume { reason: e.to_string() })
     }
 }
 
@@ -162,11 +165,11 @@ pub(crate) fn voxel_count(dims: [usize; 3]) -> Option<usize> {
     dims[0].checked_mul(dims[1])?.checked_mul(dims[2])
 }
 
-/// Values whose channels lie one volume after the other, in the order of a [`Volume`].
-pub(crate) fn interleaved(values: Values, channels: usize) -> Values {
+/// Samples whose channels lie one volume after the other, in the order of a [`Volume`].
+pub(crate) fn interleaved(samples: Samples, channels: usize) -> Samples {
     if channels < 2 {
-        return values;
+        return samples;
     }
-    let voxels = values.len() / channels;
-    values.permuted(|i| i % channels * voxels + i / channels)
+    let voxels = samples.len() / channels;
+    samples.permuted(|i| i % channels * voxels + i / channels)
 }

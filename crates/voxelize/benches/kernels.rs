@@ -1,7 +1,7 @@
 //! The kernels of voxelization on a figure with limbs, closed and with a hundredth of its triangles missing.
 #![allow(missing_docs)]
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/it/common.rs"]
 mod common;
 
 use common::*;
@@ -27,7 +27,7 @@ fn voxels(c: &mut Criterion) {
     let mut group = c.benchmark_group("voxels");
     for resolution in [128, 512] {
         let parameters = VoxelizeParameters { pitch: Pitch::Resolution(resolution), ..Default::default() };
-        let parity = VoxelizeParameters { method: Method::Parity, ..parameters.clone() };
+        let parity = VoxelizeParameters { inside: InsideTest::Parity, ..parameters.clone() };
         let (closed, open) = (figure(), open());
         let mut run = |name: &str, mesh: &TriangleMesh, parameters: &VoxelizeParameters| {
             group.bench_function(BenchmarkId::new(name, resolution), |b| {

@@ -1,16 +1,19 @@
-use crate::analysis::Analysis;
-use crate::choice::{Reason, choose};
-use crate::coarse::Coarse;
-use crate::coverage::Rule;
-use crate::parameters::Method;
-use crate::surface::{Body, Surface};
-use crate::vector::{area_vector, norm};
+use crate::coarse_estimate::CoarseEstimate;
+use crate::inside_rule::InsideRule;
+use crate::inside_test::{InsideTest, Reason, choose};
+use crate::mesh_analysis::MeshAnalysis;
+use crate::shells::Shell;
+use crate::surface::Surface;
+use crate::triangle_geometry::area_vector;
+use mser3d_shape::vector::{norm, sub};
 use mser3d_shape::{BoundingBox, DisjointSets, TriangleMesh};
 
 /// What a mesh is like, and what that means for voxelization.
 ///
 /// Edges are counted as the file has them, before vertices are merged or triangles turned over.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Diagnosis {
     /// Vertices, used or not.
@@ -63,8 +66,8 @@ pub struct Diagnosis {
     pub genus: Option<i64>,
     /// Part of the volume that is covered more than once, found on a coarse grid; `None` where nothing is enclosed.
     pub overlap_fraction: Option<f64>,
-    /// The method that [`Method::Auto`] stands for.
-    pub method: Method,
+    /// The inside test that [`InsideTest::Auto`] stands for.
+    pub inside: InsideTest,
     /// Why.
     pub reason: Reason,
 }
@@ -81,8 +84,8 @@ pub struct Diagnosis {
 /// # Ok::<(), mser3d_shape::ShapeError>(())
 /// ```
 pub fn diagnose(mesh: &TriangleMesh) -> Diagnosis {
-    let analysis = Analysis::new(mesh);
-    let (method, reason) = choose(Method::Auto, &analysis);
+    let analysis = MeshAnalysis::new(mesh);
+    let (inside_test, reason) = choose(InsideTest::Auto, &analysis);
     let surface = Surface::oriented(mesh, &analysis);
     let mut used = DisjointSets::new(mesh.vertices().len());
     let mut referenced = vec![false; mesh.vertices().len()];
@@ -96,8 +99,8 @@ pub fn diagnose(mesh: &TriangleMesh) -> Diagnosis {
     };
     let components = roots(&mut used);
     let unreferenced_vertices = referenced.iter().filter(|r| !**r).count();
-    let coarse = Coarse::of(&surface, Rule::Total { join: true }, Method::Winding);
-    let bodies = |test: fn(&Body) -> bool| surface.bodies.iter().filter(|b| test(b)).count();
+    let coarse = CoarseEstimate::of(&surface, InsideRule::Total { join: true }, InsideTest::Winding);
+    let bodies = |test: fn(&Shell) -> bool| surface.shells.iter().filter(|b| test(b)).count();
     let file = &analysis.file;
     let characteristic =
         (referenced.len() - unreferenced_vertices) as i64 - file.total as i64 + mesh.triangles().len() as i64;
@@ -121,7 +124,7 @@ pub fn diagnose(mesh: &TriangleMesh) -> Diagnosis {
         components,
         inverted_bodies: surface.inverted,
         cavities: bodies(|b| !b.scattered && !b.is_flat() && b.volume < 0.0),
-        flat_bodies: bodies(Body::is_flat),
+        flat_bodies: bodies(Shell::is_flat),
         degenerate_triangles: degenerate_triangles(mesh),
         duplicate_triangles: analysis.duplicates.len(),
         signed_volume: mesh.signed_volume(),
@@ -131,13 +134,13 @@ pub fn diagnose(mesh: &TriangleMesh) -> Diagnosis {
         euler_characteristic: characteristic,
         genus,
         overlap_fraction: coarse.ok().flatten().map(|coarse| coarse.overlap),
-        method,
+        inside: inside_test,
         reason,
     }
 }
 
 fn boundary_loops(mesh: &TriangleMesh) -> usize {
-    let edges = crate::topology::Edges::new(mesh.vertices().len(), mesh.triangles(), |_| true);
+    let edges = crate::mesh_edges::Edges::new(mesh.vertices().len(), mesh.triangles(), |_| true);
     let mut sets = DisjointSets::new(mesh.vertices().len());
     let mut ends = Vec::new();
     edges.for_each(|u, v, sides| {
@@ -157,9 +160,7 @@ fn degenerate_triangles(mesh: &TriangleMesh) -> usize {
     (0..mesh.triangles().len())
         .filter(|&t| {
             let corners = mesh.corners(t);
-            let longest = (0..3)
-                .map(|i| norm(crate::vector::sub(corners[(i + 1) % 3], corners[i])))
-                .fold(0.0, f64::max);
+            let longest = (0..3).map(|i| norm(sub(corners[(i + 1) % 3], corners[i]))).fold(0.0, f64::max);
             norm(area_vector(&corners)) <= 1e-14 * longest * longest
         })
         .count()

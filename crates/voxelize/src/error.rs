@@ -1,17 +1,12 @@
-use mser3d_shape::ShapeError;
+use mser3d_shape::{InvalidParameter, ShapeError};
 
 /// Why a mesh cannot be voxelized.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum VoxelizeError {
-    /// A parameter has no meaning.
-    #[error("{parameter}: {reason}")]
-    BadParameter {
-        /// Which one.
-        parameter: &'static str,
-        /// What is wrong with it.
-        reason: String,
-    },
+    /// A parameter is out of its range.
+    #[error(transparent)]
+    InvalidParameter(#[from] InvalidParameter),
     /// The mesh has no triangles.
     #[error("the mesh has no triangles; a solid needs a surface around it")]
     NoTriangles,
@@ -37,8 +32,8 @@ pub enum VoxelizeError {
     /// Triangles that hang together hardly anywhere, and whose winding numbers are fractions all over.
     #[error(
         "the {triangles} triangles bound no solid: with {boundary_edges} boundary edges they hang together hardly \
-         anywhere, and their winding numbers are far from whole; mend the mesh, or count crossings along \
-         three axes (the method `vote`)"
+         anywhere, and their winding numbers are far from whole; repair the mesh, or count crossings along \
+         three axes (the inside test `vote`)"
     )]
     Soup {
         /// Triangles of the mesh.

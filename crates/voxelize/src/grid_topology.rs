@@ -7,6 +7,8 @@ use rayon::prelude::*;
 /// square carry the square, and twelve links of a cube the cube. For a solid without cut links this is the
 /// topology of 6-connected voxels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct GridTopology {
     /// Linked components.

@@ -3,6 +3,7 @@
 //! * [`diagnose`] says what a mesh is like: closed, oriented, overlapping, and what that means;
 //! * [`voxelize`] turns it into a [`VoxelGrid`](mser3d_shape::VoxelGrid): the voxels whose centre is
 //!   inside, and links between neighbours that the surface does not part;
+//! * [`inside`] gives the voxels alone, as bits, and [`dense_mask`] makes an array of them;
 //! * [`Bvh`] and [`WindingTree`] answer rays, nearest points and winding numbers on their own.
 //!
 //! # How
@@ -23,35 +24,51 @@
 //!   1e-9 voxels they count as in contact.
 #![warn(missing_docs)]
 
-mod analysis;
+mod axis_parity;
+mod axis_sweep;
 mod bvh;
-mod choice;
-mod coarse;
-mod columns;
-mod coverage;
+mod centre_lattice;
+mod coarse_estimate;
+mod cut_diagonals;
+mod cut_links;
+mod dense;
 mod diagnosis;
-mod diagonals;
 mod error;
-mod framing;
+mod grid_frame;
 mod grid_topology;
-mod holes;
-mod lattice;
+mod hole_corrections;
+mod inside_rule;
+mod inside_test;
+mod mesh_analysis;
+mod mesh_edges;
 mod morphology;
 mod parameters;
+mod placed_surface;
 mod predicates;
-mod solid;
+mod scan_conversion;
+mod shells;
 mod surface;
-mod sweep;
-mod topology;
-mod vector;
+mod triangle_geometry;
+mod voxel_fill;
 mod voxelization;
 mod warning;
 
 pub use bvh::{Bvh, Hit, NearestPoint, WindingTree};
-pub use choice::Reason;
+pub use dense::dense_mask;
+#[cfg(feature = "ndarray")]
+pub use dense::mask_array;
 pub use diagnosis::{Diagnosis, diagnose};
 pub use error::VoxelizeError;
 pub use grid_topology::GridTopology;
-pub use parameters::{Method, Morphology, Overlap, Pitch, VoxelizeParameters};
+pub use inside_test::{InsideTest, Reason};
+pub use morphology::Morphology;
+pub use parameters::{Overlap, Pitch, VoxelizeParameters};
 pub use voxelization::{Voxelization, inside, voxelize};
 pub use warning::Warning;
+
+#[cfg(feature = "ndarray")]
+pub use ndarray;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}

@@ -1,7 +1,21 @@
 //! Opening and closing of a solid by one voxel.
 
-use crate::parameters::Morphology;
 use mser3d_shape::BitGrid;
+
+mser3d_shape::choice! {
+    /// A change of the solid by one voxel, against artefacts of the grid.
+    pub enum Morphology("morphological operation") {
+        /// Erosion, then dilation: drops what is thinner than three voxels
+        ///
+        /// By the 6-neighbourhood.
+        #[default]
+        Open = "open",
+        /// Dilation, then erosion: fills slits and pits a voxel wide
+        ///
+        /// By the 6-neighbourhood.
+        Close = "close",
+    }
+}
 
 pub(crate) fn apply(bits: &mut BitGrid, morphology: Morphology) {
     let order = match morphology {

@@ -1,14 +1,16 @@
-use crate::analysis::Analysis;
-use crate::choice::{Reason, choose};
-use crate::coverage::Rule;
+use crate::axis_parity::majority;
+use crate::axis_sweep::MAX_TRIANGLES;
+use crate::centre_lattice::CentreLattice;
 use crate::error::VoxelizeError;
-use crate::framing;
+use crate::grid_frame;
 use crate::grid_topology::GridTopology;
-use crate::lattice::Lattice;
-use crate::parameters::{Method, Overlap, Pitch, VoxelizeParameters};
-use crate::solid::{Scene, Solid};
+use crate::inside_rule::InsideRule;
+use crate::inside_test::{InsideTest, Reason, choose};
+use crate::mesh_analysis::MeshAnalysis;
+use crate::parameters::{Overlap, Pitch, VoxelizeParameters};
+use crate::placed_surface::PlacedSurface;
 use crate::surface::Surface;
-use crate::sweep::MAX_TRIANGLES;
+use crate::voxel_fill::Solid;
 use crate::warning::Warning;
 use mser3d_shape::{BitGrid, Connectivity, Frame, TriangleMesh, VoxelGrid};
 
@@ -18,8 +20,8 @@ use mser3d_shape::{BitGrid, Connectivity, Frame, TriangleMesh, VoxelGrid};
 pub struct Voxelization {
     /// The solid: voxels whose centre is inside, neighbours linked unless the surface parts them.
     pub grid: VoxelGrid,
-    /// The method used; never [`Method::Auto`].
-    pub method: Method,
+    /// The inside test used; never [`InsideTest::Auto`].
+    pub inside: InsideTest,
     /// Why.
     pub reason: Reason,
     /// The part of the inside voxels about which there is no doubt: 1 on closed surfaces.
@@ -67,16 +69,16 @@ pub struct Voxelization {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn voxelize(mesh: &TriangleMesh, parameters: &VoxelizeParameters) -> Result<Voxelization, VoxelizeError> {
-    let Prepared { analysis, surface, frame, rule, method, reason } = prepare(mesh, parameters)?;
-    let lattice = Lattice::new(&frame, surface.scale, surface.reach);
-    let scene = Scene::new(&surface, &lattice, rule, parameters.cut_links);
-    let mut solid = solve(&scene, method)?;
+    let Prepared { analysis, surface, frame, rule, inside_test, reason } = prepare(mesh, parameters)?;
+    let lattice = CentreLattice::new(&frame, surface.scale, surface.reach);
+    let placed = PlacedSurface::new(&surface, &lattice, rule, parameters.cut_links);
+    let mut solid = solve(&placed, inside_test)?;
     if let Some(morphology) = parameters.morphology {
         crate::morphology::apply(&mut solid.occupancy, morphology);
     }
     let inside = solid.occupancy.count_ones();
     if inside == 0 {
-        return Err(framing::nothing_inside(mesh, &surface, &frame, solid.doubled, parameters));
+        return Err(grid_frame::nothing_inside(mesh, &surface, &frame, solid.doubled, parameters));
     }
     let mut grid = VoxelGrid::solid(frame, solid.occupancy)?;
     let mut cut_links = 0;
@@ -86,7 +88,7 @@ pub fn voxelize(mesh: &TriangleMesh, parameters: &VoxelizeParameters) -> Result<
             (grid, cut_links) = (cut, cut_links + count);
         }
         if parameters.connectivity == Connectivity::TwentySix {
-            let cut = scene.cut_diagonals(&grid);
+            let cut = placed.cut_diagonals(&grid);
             grid = grid.with_cut_diagonals(cut)?;
         }
     }
@@ -100,7 +102,7 @@ pub fn voxelize(mesh: &TriangleMesh, parameters: &VoxelizeParameters) -> Result<
     let confidence = 1.0 - (solid.ambiguous as f64 / inside as f64).min(1.0);
     let mut voxelization = Voxelization {
         grid,
-        method,
+        inside: inside_test,
         reason,
         confidence,
         ambiguous_voxels: solid.ambiguous,
@@ -126,24 +128,24 @@ pub fn inside(
     mesh: &TriangleMesh,
     parameters: &VoxelizeParameters,
 ) -> Result<(Frame, BitGrid), VoxelizeError> {
-    let Prepared { surface, frame, rule, method, .. } = prepare(mesh, parameters)?;
-    let Solid { mut occupancy, doubled, .. } = sweep(&surface, &frame, rule, method)?;
+    let Prepared { surface, frame, rule, inside_test, .. } = prepare(mesh, parameters)?;
+    let Solid { mut occupancy, doubled, .. } = sweep(&surface, &frame, rule, inside_test)?;
     if let Some(morphology) = parameters.morphology {
         crate::morphology::apply(&mut occupancy, morphology);
     }
     if occupancy.words().iter().all(|w| *w == 0) {
-        return Err(framing::nothing_inside(mesh, &surface, &frame, doubled, parameters));
+        return Err(grid_frame::nothing_inside(mesh, &surface, &frame, doubled, parameters));
     }
     Ok((frame, occupancy))
 }
 
 /// A mesh understood, before it is swept.
 struct Prepared<'m> {
-    analysis: Analysis<'m>,
+    analysis: MeshAnalysis<'m>,
     surface: Surface<'m>,
     frame: Frame,
-    rule: Rule,
-    method: Method,
+    rule: InsideRule,
+    inside_test: InsideTest,
     reason: Reason,
 }
 
@@ -160,40 +162,41 @@ fn prepare<'m>(
     if triangles > MAX_TRIANGLES / 4 {
         return Err(VoxelizeError::TooManyTriangles { count: triangles, limit: MAX_TRIANGLES / 4 });
     }
-    let counts_crossings = matches!(parameters.method, Method::Parity | Method::Vote);
+    let counts_crossings = matches!(parameters.inside, InsideTest::Parity | InsideTest::Vote);
     let sized = parameters.frame.is_some() || !matches!(parameters.pitch, Pitch::Voxels(_));
-    let analysis = if counts_crossings && sized { Analysis::unexamined(mesh) } else { Analysis::new(mesh) };
-    let (method, reason) = choose(parameters.method, &analysis);
-    let surface = match method {
-        Method::Parity | Method::Vote => Surface::plain(mesh, analysis.triangles.clone()),
-        Method::Winding | Method::Auto => Surface::oriented(mesh, &analysis),
+    let analysis =
+        if counts_crossings && sized { MeshAnalysis::unexamined(mesh) } else { MeshAnalysis::new(mesh) };
+    let (inside_test, reason) = choose(parameters.inside, &analysis);
+    let surface = match inside_test {
+        InsideTest::Parity | InsideTest::Vote => Surface::plain(mesh, analysis.triangles.clone()),
+        InsideTest::Winding | InsideTest::Auto => Surface::oriented(mesh, &analysis),
     };
-    let rule = match (method, parameters.overlap) {
-        (Method::Parity | Method::Vote, _) => Rule::Parity,
-        (_, Overlap::Part) => Rule::Total { join: false },
-        (_, Overlap::Join) => Rule::Total { join: true },
-        (_, Overlap::Auto) if surface.bodies.len() == 1 => Rule::Total { join: false },
-        (_, Overlap::Auto) => Rule::Bodies,
+    let rule = match (inside_test, parameters.overlap) {
+        (InsideTest::Parity | InsideTest::Vote, _) => InsideRule::Parity,
+        (_, Overlap::Part) => InsideRule::Total { join: false },
+        (_, Overlap::Join) => InsideRule::Total { join: true },
+        (_, Overlap::Auto) if surface.shells.len() == 1 => InsideRule::Total { join: false },
+        (_, Overlap::Auto) => InsideRule::Shells,
     };
-    let frame = framing::frame(mesh, &surface, &analysis, rule, method, parameters)?;
-    Ok(Prepared { analysis, surface, frame, rule, method, reason })
+    let frame = grid_frame::frame(mesh, &surface, &analysis, rule, inside_test, parameters)?;
+    Ok(Prepared { analysis, surface, frame, rule, inside_test, reason })
 }
 
 /// The solid of a surface on a grid, without links.
 pub(crate) fn sweep(
     surface: &Surface,
     frame: &Frame,
-    rule: Rule,
-    method: Method,
+    rule: InsideRule,
+    inside_test: InsideTest,
 ) -> Result<Solid, VoxelizeError> {
-    let lattice = Lattice::new(frame, surface.scale, surface.reach);
-    solve(&Scene::new(surface, &lattice, rule, false), method)
+    let lattice = CentreLattice::new(frame, surface.scale, surface.reach);
+    solve(&PlacedSurface::new(surface, &lattice, rule, false), inside_test)
 }
 
-fn solve(scene: &Scene, method: Method) -> Result<Solid, VoxelizeError> {
-    let mut solid = scene.solid()?;
-    if method == Method::Vote {
-        let (y, z) = (scene.parity_along(1)?, scene.parity_along(2)?);
+fn solve(placed: &PlacedSurface, inside_test: InsideTest) -> Result<Solid, VoxelizeError> {
+    let mut solid = placed.solid()?;
+    if inside_test == InsideTest::Vote {
+        let (y, z) = (placed.parity_along(1)?, placed.parity_along(2)?);
         (solid.occupancy, solid.ambiguous) = majority(&solid.occupancy, &y, &z);
     }
     Ok(solid)
@@ -206,16 +209,4 @@ fn largest_of_26(grid: VoxelGrid) -> Result<(VoxelGrid, usize, usize), VoxelizeE
     let kept = grid.restrict(|v| parts.labels[v as usize] == largest);
     let dropped = grid.len() - kept.len();
     Ok((kept, parts.len() - 1, dropped))
-}
-
-/// The voxels set in at least two of three grids, and how many are not set alike in all three.
-fn majority(a: &BitGrid, b: &BitGrid, c: &BitGrid) -> (BitGrid, usize) {
-    let mut result = a.clone();
-    let mut disagreements = 0;
-    for (i, word) in result.words_mut().iter_mut().enumerate() {
-        let (a, b, c) = (a.words()[i], b.words()[i], c.words()[i]);
-        *word = a & b | b & c | c & a;
-        disagreements += ((a ^ b) | (b ^ c)).count_ones() as usize;
-    }
-    (result, disagreements)
 }

@@ -1,11 +1,13 @@
-use crate::analysis::Analysis;
 use crate::grid_topology::thin_voxels;
+use crate::mesh_analysis::MeshAnalysis;
 use crate::surface::Surface;
 use crate::voxelization::Voxelization;
 use std::fmt;
 
 /// What the user of a voxelization should know.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub enum Warning {
     /// The mesh has holes.
@@ -130,7 +132,7 @@ const THIN: f64 = 0.01;
 const NOTABLE: f64 = 1e-3;
 
 pub(crate) fn warnings(
-    analysis: &Analysis,
+    analysis: &MeshAnalysis,
     surface: &Surface,
     result: &Voxelization,
     inside: usize,
@@ -175,7 +177,7 @@ pub(crate) fn warnings(
     }
     let mesh = analysis.euler_characteristic();
     if let Some(mesh) =
-        mesh.filter(|&mesh| surface.bodies.len() == 1 && mesh != 2 * result.topology.euler_characteristic)
+        mesh.filter(|&mesh| surface.shells.len() == 1 && mesh != 2 * result.topology.euler_characteristic)
     {
         list.push(Warning::Topology { solid: result.topology.euler_characteristic, mesh });
     }

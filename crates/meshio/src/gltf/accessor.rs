@@ -38,8 +38,8 @@ pub(super) fn get<'a, T>(items: &'a [T], index: usize, what: &str) -> Result<&'a
 }
 
 impl Asset<'_> {
-    /// The rows of an accessor, which must be of the given type. Integers that stand for fractions
-    /// ("normalized") become these.
+    /// The rows of an accessor, which must be of the given type. "Normalized" integers become the
+    /// fractions that they stand for.
     pub(super) fn rows(&self, accessor: json::Index<json::Accessor>, expected: Type) -> Result<Rows, Fault> {
         let number = accessor.value();
         let accessor = get(&self.root.accessors, number, "accessor")?;
@@ -58,7 +58,7 @@ impl Asset<'_> {
                 let offset = accessor.byte_offset.unwrap_or_default().0;
                 self.array(view, offset, count, width, component).map_err(fault)?
             }
-            // Zeros, to be overwritten sparsely: no bytes of the file bound them.
+            // A sparse accessor without a view starts from zeros, and the size of the file does not bound them.
             None if count > held => {
                 return Err(fault(format!(
                     "it declares {count} rows, more than the file's {held} bytes can hold"

@@ -9,10 +9,12 @@ use gltf::json;
 use json::accessor::Type;
 use json::animation::{Interpolation, Property};
 use json::validation::Checked;
+use mser3d_shape::InvalidParameter;
 use std::fmt;
 
 /// An animation that a glTF file offers.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct AnimationInfo {
     /// Its number in the file, from 0.
     pub index: usize,
@@ -28,19 +30,18 @@ pub struct AnimationInfo {
 const MAX_FRAMES: f64 = 1e6;
 
 impl AnimationInfo {
-    /// Times from start to end, both included, at most `1 / frames_per_second` seconds apart: what
-    /// to read one after another to get all frames.
+    /// Times from start to end, both included, at most `1 / frames_per_second` seconds apart. A
+    /// file read at each of them gives all frames.
     ///
     /// # Errors
-    /// [`MeshIoError::BadParameter`] for a rate that is not positive or makes over a million frames.
+    /// [`MeshIoError::InvalidParameter`] for a rate that is not positive or makes over a million frames.
     pub fn frame_times(&self, frames_per_second: f64) -> Result<Vec<f64>, MeshIoError> {
         let duration = self.end - self.start;
         // A whole number of frames may come out a rounding error too long.
         let steps = (duration * frames_per_second - 1e-6).ceil().max(0.0);
         if !(frames_per_second > 0.0 && steps <= MAX_FRAMES) {
-            let reason =
-                format!("{frames_per_second}: must be positive and make at most {MAX_FRAMES} frames");
-            return Err(MeshIoError::BadParameter { parameter: "frames per second", reason });
+            let expected = format!("positive and make at most {MAX_FRAMES} frames");
+            return Err(InvalidParameter::new("frames per second", frames_per_second, expected).into());
         }
         let time = |i: u64| if i == 0 { self.start } else { self.start + duration * (i as f64 / steps) };
         Ok((0..=steps as u64).map(time).collect())

@@ -1,4 +1,4 @@
-//! The bytes that a glTF file is about: its binary chunk, data URIs, files beside it.
+//! The bytes that a glTF file refers to: its binary chunk, data URIs, files beside it.
 
 use crate::error::Fault;
 use crate::{MeshFormat, MeshIoError};
@@ -38,7 +38,7 @@ fn reason(error: &gltf::Error) -> String {
     }
 }
 
-/// Every buffer, of at least its declared length.
+/// Every buffer, each at least as long as it declares.
 pub(super) fn load<'a>(
     root: &json::Root,
     mut chunk: Option<Cow<'a, [u8]>>,

@@ -56,7 +56,7 @@ pub(crate) fn parse(
     assemble(&asset, animation, options.time).map_err(|fault| broken(fault, path))
 }
 
-/// The author of a broken file is a program; its user can only find out more, or try again.
+/// A program wrote the broken file. Its user can only find out more about it, or export it again.
 fn broken(fault: Fault, path: &Path) -> MeshIoError {
     fault.advise("check the file with a glTF validator, or export it again").in_file(path)
 }
@@ -72,7 +72,7 @@ fn open<'a>(format: MeshFormat, bytes: &'a [u8], path: &Path) -> Result<Asset<'a
     Ok(Asset { root, buffers })
 }
 
-/// The animation of a name, or else of a number.
+/// The animation with this name, or else with this number.
 fn choose(asset: &Asset, wanted: &str, path: &Path) -> Result<usize, MeshIoError> {
     let animations = &asset.root.animations;
     let by_name = animations.iter().position(|a| a.name.as_deref() == Some(wanted));

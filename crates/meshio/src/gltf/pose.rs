@@ -79,7 +79,7 @@ impl Hierarchy {
         }
         let roots: Vec<usize> = (0..root.nodes.len()).filter(|&n| !is_child[n]).collect();
         let order = descend(root, &roots);
-        // With one parent each, nodes that no root leads to go round in a circle.
+        // Each node has one parent, so nodes that no root leads to form a cycle.
         if order.len() < root.nodes.len() {
             return Err(Fault::new("some nodes are their own ancestors"));
         }

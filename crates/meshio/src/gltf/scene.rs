@@ -11,8 +11,8 @@ use json::mesh::{Mesh, Primitive};
 
 /// Nodes and skins in their rest pose and in the pose asked for.
 ///
-/// Triangles and what is welded come from the rest pose alone, or frames of an animation would
-/// differ in more than their positions.
+/// Triangles and welding come from the rest pose, so that the frames of an animation differ in their
+/// positions only.
 pub(super) struct Scene<'a> {
     asset: &'a Asset<'a>,
     /// The nodes that are shown, depth first.
@@ -23,7 +23,7 @@ pub(super) struct Scene<'a> {
 
 struct State {
     pose: Pose,
-    /// Each node to the world.
+    /// The transform of each node to the world.
     globals: Vec<Affine>,
     skins: Vec<Skin>,
 }
@@ -38,10 +38,10 @@ impl State {
 
 /// A primitive at a node.
 pub(super) struct Part {
-    /// In the world.
+    /// Positions in the world.
     pub positions: Vec<[f64; 3]>,
     pub triangles: Vec<[u32; 3]>,
-    /// Vertices of equal group and key are one.
+    /// Vertices with the same group and key are welded.
     pub group: usize,
     pub keys: Vec<[f64; 3]>,
 }
@@ -83,7 +83,7 @@ impl<'a> Scene<'a> {
         let place = |map: &Affine, points: &[[f64; 3]]| points.iter().map(|&p| map.apply(p)).collect();
 
         let (positions, group, keys, orientation) = match asset.root.nodes[node].skin {
-            // A skin ignores the node. Its vertices are compared before it moves them.
+            // A skin ignores the transform of its node. Vertices are compared for welding before it moves them.
             Some(number) => {
                 let skin = get(&posed.skins, number.value(), "skin")?;
                 let influences = skin::influences(asset, primitive, still.len(), skin.joints.len())?;
@@ -93,7 +93,7 @@ impl<'a> Scene<'a> {
             }
             None => {
                 let (map, orientation) = (&rest.globals[node], rest.globals[node].determinant());
-                // A node that is hidden by a scale of zero has its vertices all in one place.
+                // A node hidden by a scale of zero has all its vertices in one place.
                 let (group, keys) = match orientation == 0.0 {
                     true => (usize::MAX - node, still),
                     false => (0, place(map, &still)),

@@ -12,8 +12,8 @@ use json::mesh::Primitive;
 pub(super) struct Skin {
     /// Bind space to the world, for each joint.
     pub joints: Vec<Affine>,
-    /// Vertices that hang on the same joints in the same way belong together, whatever their skin's
-    /// number: body and clothes are often exported with a skin each.
+    /// A number for the joints and how they are bound. Skins with the same joints share it, and their
+    /// vertices may be welded: body and clothes are often exported with a skin each.
     pub group: usize,
 }
 
@@ -59,7 +59,7 @@ pub(super) fn all(asset: &Asset, globals: &[Affine]) -> Result<Vec<Skin>, Fault>
     Ok(skins)
 }
 
-/// What the joints of a skin pull at a vertex: joint numbers and weights that sum to 1.
+/// How much each joint of a skin moves a vertex: joint numbers, and weights that sum to 1.
 pub(super) type Influences = Vec<(usize, f64)>;
 
 /// The influences at each vertex, from as many sets of four as there are.
@@ -87,7 +87,7 @@ pub(super) fn influences(
                 "vertex {vertex} hangs on joint {joint} of a skin of {joints} joints"
             )));
         }
-        // Files round weights; what is missing of 1 would pull the vertex to the origin.
+        // Files round weights. If they sum to less than 1, the rest would pull the vertex to the origin.
         let sum: f64 = influences.iter().map(|i| i.1).sum();
         influences.iter_mut().for_each(|i| i.1 /= sum);
         if influences.is_empty() {

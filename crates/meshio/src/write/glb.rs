@@ -1,5 +1,6 @@
 use super::VertexAttributes;
 use crate::MeshIoError;
+use crate::error::Fault;
 use mser3d_fileio::write_atomically;
 use mser3d_shape::TriangleMesh;
 use std::fmt::Write as _;
@@ -10,12 +11,11 @@ use std::path::Path;
 /// given, normals, colours (`COLOR_0`, linear as glTF wants them) and regions (`_REGION`).
 ///
 /// # Errors
-/// [`MeshIoError::File`]; [`MeshIoError::BadParameter`] for attributes of another length, or a mesh
-/// that is empty or beyond what f32 and GLB (4 GiB) hold.
+/// [`MeshIoError::File`]; [`MeshIoError::Shape`] for attributes of another length;
+/// [`MeshIoError::Unsupported`] for a mesh that is empty or beyond what f32 and GLB (4 GiB) hold.
 pub fn write_glb(path: &Path, mesh: &TriangleMesh, attributes: &VertexAttributes) -> Result<(), MeshIoError> {
     attributes.check(mesh)?;
-    let glb = encode(mesh, attributes)
-        .map_err(|reason| MeshIoError::BadParameter { parameter: "mesh", reason: reason.into() })?;
+    let glb = encode(mesh, attributes).map_err(|reason| Fault::unsupported(None, reason).in_file(path))?;
     Ok(write_atomically(path, |out| out.write_all(&glb))?)
 }
 

@@ -14,7 +14,7 @@ pub use vti::{VoxelField, VoxelValues, write_vti};
 pub use vtp::write_vtp;
 
 use crate::MeshIoError;
-use mser3d_shape::TriangleMesh;
+use mser3d_shape::{ShapeError, TriangleMesh};
 
 /// What to write beside each vertex's position: one value per vertex each, or none.
 #[derive(Clone, Copy, Debug, Default)]
@@ -30,23 +30,20 @@ pub struct VertexAttributes<'a> {
 impl VertexAttributes<'_> {
     fn check(&self, mesh: &TriangleMesh) -> Result<(), MeshIoError> {
         let needed = mesh.vertices().len();
-        for (parameter, found) in [
+        for (what, found) in [
             ("vertex colors", self.colors.map(<[_]>::len)),
             ("vertex regions", self.regions.map(<[_]>::len)),
             ("vertex normals", self.normals.map(<[_]>::len)),
         ] {
-            check_length(parameter, found.unwrap_or(needed), needed)?;
+            check_length(what, found.unwrap_or(needed), needed)?;
         }
         Ok(())
     }
 }
 
-pub(crate) fn check_length(parameter: &'static str, found: usize, needed: usize) -> Result<(), MeshIoError> {
-    if found != needed {
-        return Err(MeshIoError::BadParameter {
-            parameter,
-            reason: format!("{found} given, {needed} needed"),
-        });
+pub(crate) fn check_length(what: &'static str, found: usize, expected: usize) -> Result<(), MeshIoError> {
+    if found != expected {
+        return Err(ShapeError::SizeMismatch { what, found, expected }.into());
     }
     Ok(())
 }

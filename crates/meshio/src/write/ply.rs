@@ -10,7 +10,7 @@ use std::path::Path;
 /// the triangles.
 ///
 /// # Errors
-/// [`MeshIoError::File`], [`MeshIoError::BadParameter`] for attributes of another length.
+/// [`MeshIoError::File`], [`MeshIoError::Shape`] for attributes of another length.
 pub fn write_ply(path: &Path, mesh: &TriangleMesh, attributes: &VertexAttributes) -> Result<(), MeshIoError> {
     attributes.check(mesh)?;
     write_atomically(path, |out| {

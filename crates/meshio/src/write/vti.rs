@@ -2,7 +2,7 @@ use super::check_length;
 use super::vtk::{Appended, FLOAT64, INT32, UINT8, VtkFile};
 use crate::MeshIoError;
 use mser3d_fileio::write_atomically;
-use mser3d_shape::VoxelGrid;
+use mser3d_shape::{InvalidParameter, VoxelGrid};
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -37,15 +37,15 @@ impl VoxelValues<'_> {
 /// box, x fastest, among them `inside` (1 for occupied voxels, 0 for empty ones).
 ///
 /// # Errors
-/// [`MeshIoError::File`]; [`MeshIoError::BadParameter`] for a field of another length or with a
-/// name that is taken, empty or in need of escapes.
+/// [`MeshIoError::File`]; [`MeshIoError::Shape`] for a field of another length;
+/// [`MeshIoError::InvalidParameter`] for a name that is taken, empty or in need of escapes.
 pub fn write_vti(path: &Path, grid: &VoxelGrid, fields: &[VoxelField]) -> Result<(), MeshIoError> {
     for (number, field) in fields.iter().enumerate() {
         check_length("voxel values", field.values.len(), grid.len())?;
         let taken = field.name == "inside" || fields[..number].iter().any(|f| f.name == field.name);
         if taken || field.name.is_empty() || field.name.contains(['<', '>', '&', '"']) {
-            let reason = format!("{:?} cannot name voxel values; choose another", field.name);
-            return Err(MeshIoError::BadParameter { parameter: "field name", reason });
+            let expected = "a name that is not empty, not taken and free of < > & \"";
+            return Err(InvalidParameter::new("field name", format!("{:?}", field.name), expected).into());
         }
     }
     let frame = grid.frame();

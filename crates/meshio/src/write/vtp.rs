@@ -9,7 +9,7 @@ use std::path::Path;
 /// triangles and, where given, point data `region`, `color` and `normal`.
 ///
 /// # Errors
-/// [`MeshIoError::File`], [`MeshIoError::BadParameter`] for attributes of another length.
+/// [`MeshIoError::File`], [`MeshIoError::Shape`] for attributes of another length.
 pub fn write_vtp(path: &Path, mesh: &TriangleMesh, attributes: &VertexAttributes) -> Result<(), MeshIoError> {
     attributes.check(mesh)?;
     let (vertices, triangles) = (mesh.vertices(), mesh.triangles());

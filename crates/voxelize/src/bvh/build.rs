@@ -2,8 +2,8 @@
 //! volume hierarchies*, 2007.
 
 use super::{Bvh, Node};
-use crate::vector::Vec3;
 use mser3d_shape::BoundingBox;
+use mser3d_shape::vector::Vec3;
 
 const BINS: usize = 16;
 /// Triangles that a leaf may hold when splitting it does not pay.

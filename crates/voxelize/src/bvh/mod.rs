@@ -1,6 +1,7 @@
 //! A hierarchy of boxes over triangles: rays in any direction, nearest points, and the fast winding number.
 
 mod build;
+mod far_field;
 mod nearest;
 mod rays;
 mod stack;
@@ -10,7 +11,7 @@ pub use nearest::NearestPoint;
 pub use rays::Hit;
 pub use winding::WindingTree;
 
-use crate::vector::Vec3;
+use mser3d_shape::vector::Vec3;
 use mser3d_shape::{BoundingBox, TriangleMesh};
 
 /// A bounding volume hierarchy over the triangles of a mesh (binned surface-area heuristic, Wald 2007).

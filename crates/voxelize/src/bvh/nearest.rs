@@ -1,7 +1,7 @@
 //! The point of a surface nearest to another.
 
 use super::{Bvh, distance_squared};
-use crate::vector::{Vec3, add, dot, scaled, sub};
+use mser3d_shape::vector::{Vec3, add, dot, scale, sub};
 
 /// A point on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,19 +76,19 @@ fn nearest_on_triangle(&[a, b, c]: &[Vec3; 3], p: Vec3) -> Vec3 {
     }
     let vc = d1 * d4 - d3 * d2;
     if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        return add(a, scaled(ab, d1 / (d1 - d3)));
+        return add(a, scale(ab, d1 / (d1 - d3)));
     }
     let vb = d5 * d2 - d1 * d6;
     if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        return add(a, scaled(ac, d2 / (d2 - d6)));
+        return add(a, scale(ac, d2 / (d2 - d6)));
     }
     let va = d3 * d6 - d5 * d4;
     if va <= 0.0 && d4 >= d3 && d5 >= d6 {
-        return add(b, scaled(sub(c, b), (d4 - d3) / ((d4 - d3) + (d5 - d6))));
+        return add(b, scale(sub(c, b), (d4 - d3) / ((d4 - d3) + (d5 - d6))));
     }
     let sum = va + vb + vc;
     if sum == 0.0 {
         return a;
     }
-    add(a, add(scaled(ab, vb / sum), scaled(ac, vc / sum)))
+    add(a, add(scale(ab, vb / sum), scale(ac, vc / sum)))
 }

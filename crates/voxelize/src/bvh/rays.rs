@@ -4,7 +4,7 @@
 use super::stack::Stack;
 use super::{Bvh, Node};
 use crate::predicates::{orient3d, side};
-use crate::vector::{Vec3, cross, sub};
+use mser3d_shape::vector::{Vec3, cross, sub};
 
 /// Where a ray meets a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]

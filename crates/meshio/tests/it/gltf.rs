@@ -1,0 +1,156 @@
+//! glTF against cases computed by hand.
+
+use crate::common::{CORNERS, Gltf, SIDES, bar};
+use mser3d_meshio::{LoadedMesh, MeshFormat, ReadOptions, read_mesh_from};
+use std::path::Path;
+
+fn read(bytes: &[u8], animation: Option<&str>, time: f64) -> LoadedMesh {
+    let options = ReadOptions { animation: animation.map(str::to_owned), time };
+    read_mesh_from(MeshFormat::Gltf, bytes, Path::new("made.gltf"), &options).unwrap()
+}
+
+fn assert_near(found: &[[f64; 3]], expected: &[[f64; 3]], tolerance: f64) {
+    assert_eq!(found.len(), expected.len());
+    for (f, e) in found.iter().zip(expected) {
+        assert!((0..3).all(|a| (f[a] - e[a]).abs() <= tolerance), "{f:?} should be {e:?}");
+    }
+}
+
+#[test]
+fn node_transforms_place_each_primitive_and_keep_it_facing_outwards() {
+    let mut g = Gltf::default();
+    let (position, sides) = (g.points(&CORNERS), g.indices(&SIDES));
+    // 90 degrees about z over a mirror in x; below a translation and a scale by two.
+    let bytes = g.gltf(&format!(
+        r#""scenes":[{{"nodes":[2]}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":{position}}},"indices":{sides}}}]}}],
+        "nodes":[{{"mesh":0,"rotation":[0,0,0.70710678,0.70710678],"scale":[-1,1,1]}},
+                 {{"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,10,1]}},
+                 {{"children":[0,1,3],"translation":[5,0,0],"scale":[2,2,2]}},
+                 {{"name":"empty"}}]"#
+    ));
+    let read = read(&bytes, None, 0.0);
+    let first = [[5., 0., 0.], [5., -2., 0.], [3., 0., 0.], [5., 0., 2.]];
+    let second = [[5., 0., 20.], [7., 0., 20.], [5., 2., 20.], [5., 0., 22.]];
+    assert_near(read.mesh.vertices(), &[first, second].concat(), 1e-6);
+    assert!((read.mesh.signed_volume() - 2.0 * 8.0 / 6.0).abs() < 1e-6);
+}
+
+#[test]
+fn primitives_are_welded_where_they_meet() {
+    let mut g = Gltf::default();
+    // A tetrahedron as a strip of two sides and a fan of the other two; and a stray line.
+    let (strip, fan) = (g.points(&[CORNERS[1], CORNERS[0], CORNERS[2], CORNERS[3]]), g.points(&CORNERS));
+    let order = g.indices(&[3, 0, 1, 2]);
+    let bytes = g.gltf(&format!(
+        r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[
+        {{"attributes":{{"POSITION":{strip}}},"mode":5}},
+        {{"attributes":{{"POSITION":{fan}}},"indices":{order},"mode":6}},
+        {{"attributes":{{"POSITION":{fan}}},"mode":3}}]}}]"#
+    ));
+    let read = read(&bytes, None, 0.0);
+    // First occurrence numbers the vertices: those of the strip.
+    assert_eq!(read.mesh.vertices()[0], [1.0, 0.0, 0.0]);
+    assert_eq!(read.weld.as_deref(), Some(&[0, 1, 2, 3, 1, 0, 2, 3][..]));
+    assert_eq!(read.mesh.triangles(), [[0, 1, 2], [2, 1, 3], [3, 1, 0], [3, 0, 2]]);
+    assert!((read.mesh.signed_volume().abs() - 1.0 / 6.0).abs() < 1e-12);
+    assert_eq!(read.notes, ["1 primitives of points or lines left out"]);
+    let values = read.per_file_vertex(&["a", "b", "c", "d"]).unwrap();
+    assert_eq!(values, ["a", "b", "c", "d", "b", "a", "c", "d"]);
+    assert!(read.per_file_vertex(&["a"]).is_err());
+}
+
+#[test]
+fn a_skin_blends_its_joints_and_ignores_the_node_of_the_mesh() {
+    let (g, members) = bar();
+    let bytes = g.gltf(&members);
+    let rest = [[0., 0., 5.], [1., 0.5, 5.], [2., 0., 5.], [0., 0., 5.5]];
+    assert_near(read(&bytes, None, 0.0).mesh.vertices(), &rest, 1e-12);
+
+    // An eighth of a turn about (1, 0, 5): the tip moves whole, the middle by four fifths.
+    let (sin, cos) = std::f64::consts::FRAC_PI_4.sin_cos();
+    let tip = [1. + cos, sin, 5.];
+    let turned = [1. - 0.5 * sin, 0.5 * cos];
+    let middle = [0.2 + 0.8 * turned[0], 0.1 + 0.8 * turned[1], 5.];
+    let bent = [rest[0], middle, tip, rest[3]];
+    assert_near(read(&bytes, Some("linear"), 1.0).mesh.vertices(), &bent, 1e-7);
+    assert_near(read(&bytes, Some("step"), 1.999).mesh.vertices(), &rest, 1e-12);
+    let quarter = [rest[0], [0.2 + 0.8 * 0.5, 0.1, 5.], [1., 1., 5.], rest[3]];
+    assert_near(read(&bytes, Some("1"), 2.0).mesh.vertices(), &quarter, 1e-7);
+    assert_near(read(&bytes, Some("linear"), 99.0).mesh.vertices(), &quarter, 1e-7);
+
+    // The spline is y = t^2 (2 - t), 1.125 at 1.5 s.
+    let lifted = [rest[0], [1., 0.5 + 0.8 * 1.125, 5.], [2., 1.125, 5.], rest[3]];
+    assert_near(read(&bytes, Some("cubic"), 1.5).mesh.vertices(), &lifted, 1e-12);
+}
+
+#[test]
+fn a_mirrored_skeleton_does_not_turn_the_figure_inside_out() {
+    let (g, members) = bar();
+    let mirrored = members.replace(r#""translation":[0,0,5]}"#, r#""translation":[0,0,5],"scale":[-1,1,1]}"#);
+    assert_ne!(mirrored, members);
+    let volumes = [&members, &mirrored].map(|m| read(&g.gltf(m), None, 0.0).mesh.signed_volume());
+    assert!(volumes[0].abs() > 0.01 && (volumes[0] - volumes[1]).abs() < 1e-12, "{volumes:?}");
+}
+
+#[test]
+fn a_hidden_node_keeps_its_vertices_apart() {
+    let mut g = Gltf::default();
+    let (position, sides) = (g.points(&CORNERS), g.indices(&SIDES));
+    let bytes = g.gltf(&format!(
+        r#""nodes":[{{"mesh":0}},{{"mesh":0,"scale":[0,0,0]}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":{position}}},"indices":{sides}}}]}}]"#
+    ));
+    let read = read(&bytes, None, 0.0);
+    assert_eq!((read.mesh.vertices().len(), read.mesh.triangles().len()), (8, 8));
+    assert_eq!(read.mesh.vertices()[4..], [[0.0; 3]; 4]);
+}
+
+#[test]
+fn morph_targets_move_vertices_before_the_skin() {
+    let (g, members) = bar();
+    let moved = read(&g.gltf(&members), Some("weights"), 0.5);
+    assert_near(&moved.mesh.vertices()[2..3], &[[2., 0., 5.25]], 1e-12);
+    assert_near(&moved.mesh.vertices()[..1], &[[0., 0., 5.]], 1e-12);
+}
+
+#[test]
+fn the_binary_file_is_the_same_mesh() {
+    let (g, members) = bar();
+    let options = ReadOptions { animation: Some("linear".into()), time: 0.7 };
+    let binary = read_mesh_from(MeshFormat::Glb, &g.glb(&members), Path::new("made.glb"), &options).unwrap();
+    assert_eq!(binary.mesh, read(&g.gltf(&members), Some("linear"), 0.7).mesh);
+}
+
+#[test]
+fn buffers_beside_the_file_are_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut g = Gltf::default();
+    let (position, sides) = (g.points(&CORNERS), g.indices(&SIDES));
+    let members = format!(
+        r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":{position}}},"indices":{sides}}}]}}]"#
+    );
+    let text = String::from_utf8(g.gltf(&members)).unwrap();
+    let (start, _) = text.split_once("data:").unwrap();
+    let path = folder.path().join("a.gltf");
+    std::fs::write(&path, format!("{start}my%20data.bin\"}}]}}")).unwrap();
+    std::fs::write(folder.path().join("my data.bin"), &g.bytes).unwrap();
+    let read = mser3d_meshio::read_mesh(&path, &ReadOptions::default()).unwrap();
+    assert!((read.mesh.signed_volume() - 1.0 / 6.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_time_or_an_animation_that_cannot_be_is_an_error() {
+    let (g, members) = bar();
+    let bytes = g.gltf(&members);
+    let message = |format, bytes: &[u8], animation: Option<&str>, time| {
+        let options = ReadOptions { animation: animation.map(str::to_owned), time };
+        read_mesh_from(format, bytes, Path::new("a"), &options).unwrap_err().to_string()
+    };
+    for time in [-1.0, f64::NAN, f64::INFINITY] {
+        assert!(message(MeshFormat::Gltf, &bytes, Some("0"), time).contains("seconds"));
+    }
+    assert!(message(MeshFormat::Gltf, &bytes, None, 1.0).contains("choose an animation"));
+    assert!(message(MeshFormat::Gltf, &bytes, Some("4"), 0.0).contains("3 \"weights\" (2.00 s)"));
+    assert!(message(MeshFormat::Off, b"OFF", Some("0"), 0.0).contains("has no animations"));
+}

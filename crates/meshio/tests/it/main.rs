@@ -1,0 +1,17 @@
+//! The crate as its users see it.
+
+mod common;
+
+mod bad_files;
+mod gltf;
+mod mutations;
+mod real_files;
+mod round_trips;
+
+#[path = "../../examples/mesh_to_paraview.rs"]
+mod mesh_to_paraview;
+
+#[test]
+fn the_example_runs() {
+    mesh_to_paraview::main().unwrap();
+}

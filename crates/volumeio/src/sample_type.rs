@@ -1,0 +1,67 @@
+//! How files store numbers.
+use crate::Samples;
+use crate::error::Fault;
+use std::io::Read;
+
+/// How a number is stored. 64-bit integers are read as f64, rounded beyond 2^53.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SampleType {
+    U8,
+    I8,
+    U16,
+    I16,
+    U32,
+    I32,
+    U64,
+    I64,
+    F32,
+    F64,
+}
+
+impl SampleType {
+    pub fn bytes(self) -> usize {
+        match self {
+            Self::U8 | Self::I8 => 1,
+            Self::U16 | Self::I16 => 2,
+            Self::U32 | Self::I32 | Self::F32 => 4,
+            Self::U64 | Self::I64 | Self::F64 => 8,
+        }
+    }
+
+    /// Reads exactly `count` numbers. Memory follows what is there, not what a header promises.
+    pub fn read(self, count: usize, big_endian: bool, source: impl Read) -> Result<Samples, Fault> {
+        let wanted = count
+            .checked_mul(self.bytes())
+            .ok_or_else(|| Fault::invalid(format!("{count} voxels are more than any memory holds")))?;
+        let mut bytes = Vec::new();
+        source.take(wanted as u64).read_to_end(&mut bytes)?;
+        if bytes.len() < wanted {
+            let held = bytes.len();
+            return Err(Fault::invalid(format!(
+                "the header promises {wanted} bytes of values, but there are {held}; copy or export the file again"
+            )));
+        }
+        macro_rules! decode {
+            ($type:ty as $into:ty) => {{
+                let (chunks, _) = bytes.as_chunks();
+                let numbers = chunks.iter().map(|&chunk| match big_endian {
+                    true => <$type>::from_be_bytes(chunk) as $into,
+                    false => <$type>::from_le_bytes(chunk) as $into,
+                });
+                Samples::from(numbers.collect::<Vec<$into>>())
+            }};
+        }
+        Ok(match self {
+            Self::U8 => Samples::U8(bytes),
+            Self::I8 => decode!(i8 as i8),
+            Self::U16 => decode!(u16 as u16),
+            Self::I16 => decode!(i16 as i16),
+            Self::U32 => decode!(u32 as u32),
+            Self::I32 => decode!(i32 as i32),
+            Self::U64 => decode!(u64 as f64),
+            Self::I64 => decode!(i64 as f64),
+            Self::F32 => decode!(f32 as f32),
+            Self::F64 => decode!(f64 as f64),
+        })
+    }
+}

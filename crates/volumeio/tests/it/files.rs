@@ -1,0 +1,128 @@
+//! Whole files: what is written is read again, and what is damaged is an error, not a panic.
+
+use std::path::Path;
+
+use mser3d_fileio::FileError;
+use mser3d_volumeio::{Placement, Samples, Volume, VolumeIoError, read_volume, write_nifti, write_npy};
+use proptest::prelude::*;
+
+/// A turned and stretched box whose numbers f32 holds exactly.
+fn placed() -> Placement {
+    let directions = [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+    Placement { origin: [-4.5, 8.0, 0.25], spacing: [0.5, 0.75, 2.0], directions }
+}
+
+fn of_every_type() -> Vec<Samples> {
+    let numbers = [0, 1, 2, 3, 100, 5, 6, 7, 8, 9, 10, 127];
+    vec![
+        Samples::U8(numbers.iter().map(|&x| x as u8).collect()),
+        Samples::I8(numbers.iter().map(|&x| -x as i8).collect()),
+        Samples::U16(numbers.iter().map(|&x| 400 * x as u16).collect()),
+        Samples::I16(numbers.iter().map(|&x| -200 * x as i16).collect()),
+        Samples::U32(numbers.iter().map(|&x| 1_000_000 * x as u32).collect()),
+        Samples::I32(numbers.iter().map(|&x| -1_000_000 * x).collect()),
+        Samples::F32(numbers.iter().map(|&x| 0.1 * x as f32).collect()),
+        Samples::F64(numbers.iter().map(|&x| f64::from(x).exp()).collect()),
+    ]
+}
+
+#[test]
+fn volumes_survive_a_round_trip() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    for values in of_every_type() {
+        for (dims, channels) in [([2, 3, 2], 1), ([1, 3, 2], 2)] {
+            let volume = Volume::new(dims, channels, placed(), values.clone()).unwrap();
+            for name in ["a.nii", "a.nii.gz"] {
+                write_nifti(&path(name), &volume).unwrap();
+                assert_eq!(read_volume(&path(name)).unwrap(), volume, "{name} {}", values.type_name());
+            }
+            write_npy(&path("a.npy"), &volume).unwrap();
+            let flat = Volume::new(dims, channels, Placement::default(), values.clone()).unwrap();
+            assert_eq!(read_volume(&path("a.npy")).unwrap(), flat, "{}", values.type_name());
+        }
+    }
+}
+
+#[test]
+fn a_mask_is_where_a_volume_is_not_zero() {
+    let volume =
+        Volume::new([2, 1, 2], 2, placed(), vec![0.0, 0.0, 0.0, -1.0, 0.0, 0.0, f64::NAN, 2.0]).unwrap();
+    let mask = volume.mask().unwrap();
+    assert_eq!(mask.ones().collect::<Vec<_>>(), [[1, 0, 0], [1, 0, 1]]);
+    let written = Volume::from_mask(&mask, placed()).unwrap();
+    assert_eq!(*written.samples(), Samples::U8(vec![0, 1, 0, 1]));
+    assert_eq!(volume.frame().unwrap().centre([0, 0, 0]), placed().origin);
+}
+
+#[test]
+fn what_cannot_be_is_refused() {
+    let spacing = Placement { spacing: [1.0, 0.0, 1.0], ..Placement::default() };
+    for (dims, channels, placement, count) in [
+        ([2, 2, 2], 1, Placement::default(), 7),
+        ([2, 0, 2], 1, Placement::default(), 0),
+        ([usize::MAX, 2, 2], 1, Placement::default(), 4),
+        ([2, 2, 2], 1, spacing, 8),
+    ] {
+        let volume = Volume::new(dims, channels, placement, vec![0u8; count]);
+        assert!(matches!(volume, Err(VolumeIoError::InvalidVolume { .. })));
+    }
+    let long = Volume::new([40_000, 1, 1], 1, Placement::default(), vec![0u8; 40_000]).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let error = write_nifti(&folder.path().join("long.nii"), &long).unwrap_err();
+    assert!(matches!(error, VolumeIoError::Unsupported { .. }), "{error}");
+    assert!(matches!(read_volume(Path::new("a.obj")), Err(VolumeIoError::UnknownFormat { .. })));
+    assert!(matches!(
+        read_volume(Path::new("nowhere/a.nii")),
+        Err(VolumeIoError::File(FileError::Read { .. }))
+    ));
+}
+
+/// A whole file of each format.
+fn samples() -> Vec<(&'static str, Vec<u8>)> {
+    let folder = tempfile::tempdir().unwrap();
+    let volume = Volume::new([2, 3, 2], 1, placed(), of_every_type().remove(3)).unwrap();
+    let written = |name: &str| {
+        let path = folder.path().join(name);
+        if name.ends_with("npy") { write_npy(&path, &volume) } else { write_nifti(&path, &volume) }.unwrap();
+        std::fs::read(path).unwrap()
+    };
+    let nrrd =
+        b"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 2\nencoding: raw\n\n12345678";
+    let mut tiff = std::io::Cursor::new(Vec::new());
+    let mut encoder = tiff::encoder::TiffEncoder::new(&mut tiff).unwrap();
+    encoder.write_image::<tiff::encoder::colortype::Gray16>(3, 2, &[1, 2, 3, 4, 5, 6]).unwrap();
+    vec![
+        ("a.npy", written("a.npy")),
+        ("a.nii", written("a.nii")),
+        ("a.nii.gz", written("a.nii.gz")),
+        ("a.nrrd", nrrd.to_vec()),
+        ("a.tif", tiff.into_inner()),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn damaged_files_are_read_or_refused(
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..4),
+        cut in prop::option::of(any::<prop::sample::Index>()),
+    ) {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, mut bytes) in samples() {
+            for (at, byte) in &changes {
+                let at = at.index(bytes.len());
+                bytes[at] = *byte;
+            }
+            if let Some(cut) = cut {
+                bytes.truncate(cut.index(bytes.len()));
+            }
+            let path = folder.path().join(name);
+            std::fs::write(&path, bytes).unwrap();
+            if let Err(error) = read_volume(&path) {
+                prop_assert!(error.to_string().contains(name), "{error}");
+            }
+        }
+    }
+}

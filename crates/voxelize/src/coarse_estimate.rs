@@ -1,0 +1,64 @@
+//! What a coarse grid says about a surface, before a fine one is made.
+
+use crate::grid_frame;
+use crate::inside_rule::InsideRule;
+use crate::inside_test::InsideTest;
+use crate::surface::Surface;
+use crate::triangle_geometry::area_vector;
+use crate::voxel_fill::Solid;
+
+/// Voxels along the longest side of the coarse grid.
+const RESOLUTION: usize = 48;
+
+/// Scattered triangles that cross grid lines more often than this in each voxel are a soup: the surface
+/// of a solid is crossed a few times by a whole line.
+const CROWDED: f64 = 0.5;
+
+/// Scattered triangles are a soup when there is doubt about more than this part of the voxels inside.
+const DOUBTFUL: f64 = 0.5;
+
+/// A surface on a coarse grid.
+pub(crate) struct CoarseEstimate {
+    /// Volume inside, in scaled units.
+    pub volume: f64,
+    /// The part of it that is covered more than once.
+    pub overlap: f64,
+}
+
+/// Triangles that bound no solid. Winding numbers of a soup take all triangles for each voxel: hours on a fine
+/// grid, for no answer.
+pub(crate) struct Soup;
+
+impl CoarseEstimate {
+    /// `None` if nothing is enclosed.
+    pub fn of(surface: &Surface, rule: InsideRule, inside_test: InsideTest) -> Result<Option<Self>, Soup> {
+        let pitch = grid_frame::resolution_pitch(surface, RESOLUTION);
+        let Some(frame) = pitch.and_then(|pitch| grid_frame::around(surface, pitch).ok()) else {
+            return Ok(None);
+        };
+        let pitch = frame.spacing()[0] * surface.scale;
+        if surface.scattered() && crossings_per_voxel(surface, pitch) > CROWDED {
+            return Err(Soup);
+        }
+        let sweep = crate::voxelization::sweep(surface, &frame, rule, inside_test);
+        let Ok(Solid { occupancy, doubled, ambiguous, .. }) = sweep else { return Ok(None) };
+        let inside = occupancy.count_ones() as f64;
+        if inside == 0.0 {
+            return Ok(None);
+        }
+        if surface.scattered() && ambiguous as f64 > DOUBTFUL * inside {
+            return Err(Soup);
+        }
+        Ok(Some(Self { volume: inside * pitch.powi(3), overlap: doubled as f64 / inside }))
+    }
+}
+
+/// How often the surface crosses a grid line within a voxel of the box around it, on average.
+fn crossings_per_voxel(surface: &Surface, pitch: f64) -> f64 {
+    let mut seen = 0.0;
+    for t in 0..surface.caps {
+        seen += area_vector(&surface.corners(t)).into_iter().map(f64::abs).sum::<f64>();
+    }
+    let voxels: f64 = surface.bounds.extent().iter().map(|x| x * surface.scale / pitch + 1.0).product();
+    seen / (3.0 * pitch * pitch * voxels)
+}

@@ -1,0 +1,91 @@
+//! Triangles that bound nothing, or hang together nowhere: an answer or a clear error, in time and in memory.
+
+use crate::common::*;
+use mser3d_shape::TriangleMesh;
+use mser3d_voxelize::*;
+
+/// Triangles with corners of their own, each within a box of the given size somewhere in the unit cube.
+fn loose(count: usize, size: f64) -> TriangleMesh {
+    let mut random = Random(29);
+    let mut vertices: Vec<Vec3> = Vec::with_capacity(3 * count);
+    for _ in 0..count {
+        let place: Vec3 = std::array::from_fn(|_| random.next());
+        vertices.extend((0..3).map(|_| place.map(|x| x + size * random.next())));
+    }
+    TriangleMesh::new(vertices, (0..count as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect()).unwrap()
+}
+
+/// Triangles over random vertices in the unit cube.
+fn tangle(count: usize) -> TriangleMesh {
+    let mut random = Random(31);
+    let vertices = (0..count / 2).map(|_| std::array::from_fn(|_| random.next())).collect();
+    let mut vertex = || (random.next() * (count / 2) as f64) as u32;
+    TriangleMesh::new(vertices, (0..count).map(|_| std::array::from_fn(|_| vertex())).collect()).unwrap()
+}
+
+#[test]
+fn a_soup_is_refused_and_a_vote_takes_it() {
+    let pitches = [Pitch::Voxels(45_000), Pitch::Resolution(512), Pitch::Size(0.004)];
+    // The last one is sparse: it takes a coarse grid to find out.
+    for (soup, pitches) in
+        [(tangle(20_000), &pitches[..]), (loose(20_000, 0.3), &pitches), (loose(2_000, 0.07), &pitches[..1])]
+    {
+        assert_eq!(diagnose(&soup).overlap_fraction, None);
+        for &pitch in pitches {
+            let parameters = VoxelizeParameters { pitch, ..Default::default() };
+            let error = voxelize(&soup, &parameters).unwrap_err();
+            assert!(matches!(error, VoxelizeError::Soup { .. }), "{error}");
+        }
+        let vote = VoxelizeParameters { inside: InsideTest::Vote, ..Default::default() };
+        assert!(voxelize(&soup, &vote).unwrap().confidence < 0.5);
+    }
+}
+
+/// Each triangle of a ball moved a little on its own: nothing can be merged, and yet there is a ball.
+#[test]
+fn triangles_that_hang_together_nowhere_still_bound_a_ball() {
+    let ball = sphere([0.0; 3], 1.0, 4);
+    let mut random = Random(37);
+    let vertices = (0..ball.triangles().len())
+        .flat_map(|t| {
+            let shift: Vec3 = std::array::from_fn(|_| 2e-3 * (random.next() - 0.5));
+            ball.corners(t).map(|p| std::array::from_fn(|a| p[a] + shift[a]))
+        })
+        .collect();
+    let triangles = (0..ball.triangles().len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    let shaken = TriangleMesh::new(vertices, triangles).unwrap();
+    assert_eq!(diagnose(&shaken).boundary_edges, 3 * ball.triangles().len());
+    let pitch = Pitch::Voxels(10_000);
+    let solid = voxelize(&shaken, &VoxelizeParameters { pitch, ..Default::default() }).unwrap();
+    assert!((solid.grid.len() as f64 / 10_000.0 - 1.0).abs() < 0.02, "{}", solid.grid.len());
+    assert!((solid.grid.volume() / ball.signed_volume() - 1.0).abs() < 5e-3);
+    assert!(solid.confidence > 0.9, "{}", solid.confidence);
+}
+
+/// `cargo test --release -p mser3d-voxelize --test soup -- --ignored`: ten million triangles, of both kinds.
+#[test]
+#[ignore = "a minute and several gigabytes"]
+fn ten_million_triangles() {
+    for soup in [tangle(10_000_000), loose(10_000_000, 0.001)] {
+        let error = voxelize(&soup, &VoxelizeParameters::default()).unwrap_err();
+        assert!(matches!(error, VoxelizeError::Soup { .. } | VoxelizeError::NoVolume { .. }), "{error}");
+        let vote = VoxelizeParameters { inside: InsideTest::Vote, ..Default::default() };
+        assert!(voxelize(&soup, &vote).is_ok());
+    }
+}
+
+#[test]
+fn random_soup_and_extreme_coordinates_do_not_panic() {
+    let mut random = Random(23);
+    for scale in [1e-320, 1e-300, 1e-30, 1.0, 1e30, 1e300] {
+        let vertices = (0..60).map(|_| std::array::from_fn(|_| (random.next() - 0.5) * scale)).collect();
+        let triangles = (0..100).map(|_| std::array::from_fn(|_| (random.next() * 60.0) as u32)).collect();
+        let soup = TriangleMesh::new(vertices, triangles).unwrap();
+        diagnose(&soup);
+        for test in [InsideTest::Auto, InsideTest::Parity, InsideTest::Vote, InsideTest::Winding] {
+            for pitch in [Pitch::Voxels(500), Pitch::Resolution(12)] {
+                let _ = voxelize(&soup, &VoxelizeParameters { inside: test, pitch, ..Default::default() });
+            }
+        }
+    }
+}
