@@ -209,7 +209,7 @@ fn what_cannot_be_made_is_refused() {
     assert_eq!(isometry(&NULL, &pose).unwrap().mesh, pose);
     assert!(isometry(&NULL, &fixture("quadruped_rest.off")).is_err());
     assert!("noize".parse::<Class>().unwrap_err().to_string().contains("shotnoise"));
-    assert!(<Class as Choice>::ALL.iter().all(|c| c.name().parse::<Class>().unwrap() == *c));
+    assert!(Class::ALL.iter().all(|c| c.name().parse::<Class>().unwrap() == *c));
 }
 
 #[test]
