@@ -1,0 +1,36 @@
+//! `cargo xtask bench`: our stages beside other people's, on the same input, in one run.
+
+mod python;
+mod refine;
+mod resources;
+mod spectrum;
+mod tree;
+mod voxelize;
+
+use std::error::Error;
+
+/// What `cargo xtask bench` can be told.
+#[derive(clap::Args)]
+pub struct Arguments {
+    #[command(subcommand)]
+    bench: Bench,
+}
+
+#[derive(clap::Subcommand)]
+enum Bench {
+    /// Eigenpairs: our two solvers, SciPy, LaPy and Spectra
+    Spectrum(spectrum::Arguments),
+    /// Component trees: Higra and SciPy
+    Tree(tree::Arguments),
+    /// Solids: Open3D, VTK, libigl and trimesh
+    Voxelize(voxelize::Arguments),
+}
+
+/// Runs a benchmark.
+pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    match &arguments.bench {
+        Bench::Spectrum(arguments) => spectrum::run(arguments),
+        Bench::Tree(arguments) => tree::run(arguments),
+        Bench::Voxelize(arguments) => voxelize::run(arguments),
+    }
+}

@@ -1,0 +1,6 @@
+//! Experiments with our own detectors: what they find, and how well it repeats.
+
+pub mod figures;
+pub mod poses;
+pub mod selection;
+pub mod shrec11;

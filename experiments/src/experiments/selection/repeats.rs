@@ -1,0 +1,114 @@
+//! Repeatability between all pairs of poses, of all regions or of the best few.
+
+use std::error::Error;
+
+use mser3d::Region;
+use mser3d_evaluation::{Correspondence, DetectedRegions, NullShape, Overlaps};
+use rayon::prelude::*;
+
+/// What a detector found on a pose.
+pub struct Found {
+    pub regions: Vec<Region>,
+    pub detection: DetectedRegions,
+}
+
+/// By what regions are ranked.
+#[derive(Clone, Copy)]
+pub enum Score {
+    /// How long a part lasts before a real merge.
+    Lifetime,
+    Stability,
+    Persistence,
+    Volume,
+}
+
+impl Found {
+    /// The places of the `count` best regions. Where a score says nothing, the larger region is better.
+    fn best(&self, score: Score, count: usize) -> Vec<usize> {
+        let value = |i: usize| match score {
+            Score::Lifetime => self.regions[i].merge.map_or(f64::NAN, |merge| merge.lifetime),
+            Score::Stability => self.regions[i].stability,
+            Score::Persistence => self.regions[i].persistence,
+            Score::Volume => self.regions[i].volume,
+        };
+        let value = |i: usize| Some(value(i)).filter(|x| !x.is_nan()).unwrap_or(f64::NEG_INFINITY);
+        let mut order: Vec<usize> = (0..self.regions.len()).collect();
+        order.sort_by(|&a, &b| value(b).total_cmp(&value(a)));
+        order.truncate(count);
+        order
+    }
+}
+
+/// Overlaps between the regions of all ordered pairs of poses.
+pub struct Repeats {
+    /// The pose that is searched, the pose whose regions are looked for, and their overlaps.
+    pairs: Vec<(usize, usize, Overlaps)>,
+    /// For each pair the overlap of each region with its match.
+    matched: Vec<Vec<f64>>,
+}
+
+impl Repeats {
+    pub fn new(null: &NullShape, found: &[Found]) -> Result<Self, Box<dyn Error>> {
+        let same = Correspondence::identity(null.mesh().vertices().len());
+        let pairs: Vec<(usize, usize)> = (0..found.len())
+            .flat_map(|a| (0..found.len()).map(move |b| (a, b)))
+            .filter(|(a, b)| a != b)
+            .collect();
+        let compare = |&(a, b): &(usize, usize)| {
+            let (from, to) = (&found[a].detection, &found[b].detection);
+            let overlaps = Overlaps::new(null, &from.regions, &to.regions, &same)?;
+            let matched = overlaps.matched(&from.descriptors, &to.descriptors)?;
+            Ok(((a, b, overlaps), matched))
+        };
+        let compared =
+            pairs.par_iter().map(compare).collect::<Result<Vec<_>, mser3d_evaluation::EvaluationError>>()?;
+        let (pairs, matched) = compared.into_iter().unzip();
+        Ok(Self { pairs, matched })
+    }
+
+    /// Mean share of regions whose best overlap is above the threshold; a pose without regions counts 0.
+    pub fn repeatability(&self, found: &[Found], threshold: f64) -> f64 {
+        self.of_best(found, Score::Volume, usize::MAX, threshold)
+    }
+
+    /// The same of the best `count` regions of each pose, searched among the best of the other.
+    pub fn of_best(&self, found: &[Found], score: Score, count: usize, threshold: f64) -> f64 {
+        let best: Vec<Vec<usize>> = found.iter().map(|f| f.best(score, count)).collect();
+        mean(self.pairs.iter().map(|(a, b, overlaps)| share(overlaps, &best[*a], &best[*b], threshold)))
+    }
+
+    /// The same of one pose against the first, both ways, with `count` regions each.
+    pub fn of_pose(&self, found: &[Found], score: Score, pose: usize, count: usize, threshold: f64) -> f64 {
+        let best = |i: usize| found[i].best(score, count);
+        let wanted = |(a, b, _): &&(usize, usize, Overlaps)| (*a.min(b), *a.max(b)) == (0, pose);
+        let pairs = self.pairs.iter().filter(wanted);
+        mean(pairs.map(|(a, b, overlaps)| share(overlaps, &best(*a), &best(*b), threshold)))
+    }
+
+    /// Mean share of regions whose nearest descriptor is of a region that overlaps above the threshold.
+    pub fn matching(&self, threshold: f64) -> f64 {
+        mean(self.matched.iter().map(|m| mser3d_evaluation::share_above(m, threshold)))
+    }
+
+    /// Share of all regions that are found on no other pose at the threshold.
+    pub fn nowhere(&self, found: &[Found], threshold: f64) -> f64 {
+        let mut lost = 0;
+        for (pose, f) in found.iter().enumerate() {
+            let here: Vec<Vec<f64>> =
+                self.pairs.iter().filter(|p| p.1 == pose).map(|(_, _, overlaps)| overlaps.best()).collect();
+            lost += (0..f.regions.len()).filter(|&r| here.iter().all(|best| best[r] <= threshold)).count();
+        }
+        let all: usize = found.iter().map(|f| f.regions.len()).sum();
+        lost as f64 / all.max(1) as f64
+    }
+}
+
+fn share(overlaps: &Overlaps, from: &[usize], to: &[usize], threshold: f64) -> f64 {
+    let again = |&&t: &&usize| from.iter().any(|&n| overlaps.get(t, n) > threshold);
+    if to.is_empty() { 0.0 } else { to.iter().filter(again).count() as f64 / to.len() as f64 }
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0), |(sum, n), x| (sum + x, n + 1));
+    sum / f64::from(count.max(1))
+}

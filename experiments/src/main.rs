@@ -1,0 +1,53 @@
+//! The project's measurements, one file per command: `cargo xtask COMMAND` runs them.
+//!
+//! `experiments/` measures our own detectors, `comparisons/` our stages beside other people's libraries.
+
+mod comparisons;
+mod drawing;
+mod experiments;
+mod solved;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use experiments::{figures, poses, selection, shrec11};
+
+/// The project's measurements.
+#[derive(Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask")]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Compare with other people's libraries
+    Bench(comparisons::Arguments),
+    /// Make the paper's figures in docs/results again
+    Figures(figures::Arguments),
+    /// Score the detector on poses of one figure
+    Poses(poses::Arguments),
+    /// Compare choices of weights, time scales and filters on poses
+    Selection(selection::Arguments),
+    /// Score detectors on SHREC'10, SHREC'11 or a synthetic benchmark
+    Shrec11(shrec11::Arguments),
+}
+
+fn main() -> ExitCode {
+    let result = match Arguments::parse().command {
+        Command::Bench(arguments) => comparisons::run(&arguments),
+        Command::Figures(arguments) => figures::run(&arguments),
+        Command::Poses(arguments) => poses::run(&arguments),
+        Command::Selection(arguments) => selection::run(&arguments),
+        Command::Shrec11(arguments) => shrec11::run(&arguments),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}

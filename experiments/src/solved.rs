@@ -1,0 +1,95 @@
+//! Bodies with their spectra, and what a detector finds there.
+
+use std::error::Error;
+use std::path::Path;
+
+use mser3d::descriptors::Descriptors;
+use mser3d::shape::{Eigenbasis, TriangleMesh};
+use mser3d::spectral::SpectrumParameters;
+use mser3d::voxelize::VoxelizeParameters;
+use mser3d::{Body, Parameters, Region, describe, find_regions, no_progress};
+use mser3d_evaluation::{DetectedRegions, IndexSet};
+use mser3d_meshio::{ReadOptions, read_mesh};
+
+/// A body and its spectrum, which serve every detector.
+pub struct Solved {
+    vertices: usize,
+    body: Body,
+    basis: Eigenbasis,
+}
+
+impl Solved {
+    /// The solid inside a mesh.
+    pub fn volume(
+        mesh: &TriangleMesh,
+        voxelize: &VoxelizeParameters,
+        spectrum: &SpectrumParameters,
+    ) -> Result<Self, Box<dyn Error>> {
+        Self::solve(mesh, Body::volume(mesh, voxelize)?.0, spectrum)
+    }
+
+    /// The surface itself.
+    pub fn surface(mesh: &TriangleMesh, spectrum: &SpectrumParameters) -> Result<Self, Box<dyn Error>> {
+        Self::solve(mesh, Body::surface(mesh), spectrum)
+    }
+
+    fn solve(mesh: &TriangleMesh, body: Body, spectrum: &SpectrumParameters) -> Result<Self, Box<dyn Error>> {
+        let basis = body.spectrum(spectrum, &no_progress)?.basis;
+        Ok(Self { vertices: mesh.vertices().len(), body, basis })
+    }
+
+    /// Size of a voxel; none on a surface.
+    pub fn pitch(&self) -> Option<f64> {
+        self.body.grid().map(|grid| grid.frame().spacing()[0])
+    }
+
+    /// Volume, or area.
+    pub fn measure(&self) -> f64 {
+        self.basis.measure()
+    }
+
+    /// What heat flows on.
+    pub fn body(&self) -> &Body {
+        &self.body
+    }
+
+    /// Its eigenpairs.
+    pub fn basis(&self) -> &Eigenbasis {
+        &self.basis
+    }
+
+    /// The regions that a detector finds.
+    pub fn regions(&self, parameters: &Parameters) -> Result<Vec<Region>, Box<dyn Error>> {
+        Ok(find_regions(&self.body, &self.basis, parameters, &no_progress)?.regions)
+    }
+
+    /// What a detector finds, as sets of the mesh's vertices.
+    pub fn detect(&self, parameters: &Parameters) -> Result<DetectedRegions, Box<dyn Error>> {
+        let regions = self.regions(parameters)?;
+        let descriptors = describe(&self.basis, &regions, parameters)?;
+        self.detection(&regions, &descriptors)
+    }
+
+    /// Regions with their descriptors, as sets of the mesh's vertices.
+    pub fn detection(
+        &self,
+        regions: &[Region],
+        descriptors: &Descriptors,
+    ) -> Result<DetectedRegions, Box<dyn Error>> {
+        let mut sets = Vec::with_capacity(regions.len());
+        for region in regions {
+            sets.push(IndexSet::from_members(self.vertices, region.vertices.iter().copied())?);
+        }
+        Ok(DetectedRegions { regions: sets, descriptors: descriptors.rows().map(<[f64]>::to_vec).collect() })
+    }
+}
+
+/// The mesh of a file.
+pub fn mesh(path: &Path) -> Result<TriangleMesh, Box<dyn Error>> {
+    Ok(read_mesh(path, &ReadOptions::default())?.mesh)
+}
+
+/// The name of a file without its folder and extension.
+pub fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
