@@ -173,15 +173,11 @@ fn read(path: &Path, key: &[u8], shape: &DiscreteShape) -> Result<Spectrum, Opti
         let functions = functions.into_owned();
         let basis = Eigenbasis::new(shape.domain(), mass.into_owned(), eigenvalues.into_owned(), functions).ok()?;
         let count = |n: i64| usize::try_from(n).ok();
-        let report = SpectrumReport {
-            solver,
-            iterations: count(iterations)?,
-            applications: count(applications)?,
-            residual,
-            orthogonality,
-            zero_modes: count(zero_modes)?,
-        };
-        Some(Spectrum { basis, report })
+        let mut report = SpectrumReport::new(solver);
+        [report.iterations, report.applications, report.zero_modes] =
+            [count(iterations)?, count(applications)?, count(zero_modes)?];
+        [report.residual, report.orthogonality] = [residual, orthogonality];
+        Some(Spectrum::new(basis, report))
     })();
     spectrum.ok_or_else(|| Some(format!("{}: not the spectrum that its name promises", path.display())))
 }
@@ -190,11 +186,12 @@ fn read(path: &Path, key: &[u8], shape: &DiscreteShape) -> Result<Spectrum, Opti
 mod tests {
     use super::*;
     use mser3d::shape::{BitGrid, Connectivity, Frame, VoxelGrid};
+    use mser3d::spectral::SolverUsed;
 
-    fn bar(length: usize) -> Body {
+    fn bar(length: usize) -> DiscreteShape {
         let dims = [4, 5, length];
         let frame = Frame::new(dims, [0.0; 3], [0.5; 3]).unwrap();
-        Body::solid(VoxelGrid::solid(frame, BitGrid::full(dims).unwrap()).unwrap(), Connectivity::Six)
+        DiscreteShape::solid(VoxelGrid::solid(frame, BitGrid::full(dims).unwrap()).unwrap(), Connectivity::Six)
     }
 
     fn parameters() -> SpectrumParameters {
@@ -208,7 +205,7 @@ mod tests {
     }
 
     fn ask(cache: &SpectrumCache, shape: &DiscreteShape, parameters: &SpectrumParameters) -> (Spectrum, CacheUse) {
-        cache.spectrum(body, parameters, &mser3d::no_progress).unwrap()
+        cache.spectrum(shape, parameters, mser3d::NO_PROGRESS).unwrap()
     }
 
     #[test]
@@ -217,27 +214,26 @@ mod tests {
         let cache = SpectrumCache::open(&folder.path().join("new")).unwrap();
         let large = SpectrumParameters { solver: Eigensolver::ShiftInvert, ..parameters() };
         let mut solvers = Vec::new();
-        for (body, parameters) in [(bar(10), parameters()), (bar(150), parameters()), (bar(150), large)] {
-            let computed = shape.spectrum(&parameters, &mser3d::no_progress).unwrap();
+        for (shape, parameters) in [(bar(10), parameters()), (bar(150), parameters()), (bar(150), large)] {
+            let computed = shape.spectrum(&parameters, mser3d::NO_PROGRESS).unwrap();
             for used in [CacheUse::Stored, CacheUse::Hit] {
-                let (spectrum, how) = ask(&cache, &body, &parameters);
+                let (spectrum, how) = ask(&cache, &shape, &parameters);
                 assert_eq!((how, spectrum.report), (used, computed.report));
                 assert!(bits(&spectrum) == bits(&computed));
             }
             solvers.push(computed.report.solver);
         }
-        solvers.sort_unstable();
-        assert_eq!(solvers, ["dense", "filtered Lanczos", "shift-invert Lanczos"]);
+        assert_eq!(solvers, [SolverUsed::Dense, SolverUsed::Filter, SolverUsed::ShiftInvert]);
     }
 
     #[test]
     fn what_changes_the_spectrum_changes_the_key() {
-        let grid = |shape: &DiscreteShape| body.grid().unwrap().clone();
+        let grid = |shape: &DiscreteShape| shape.grid().unwrap().clone();
         let cut = grid(&bar(20)).with_cut_links(0, &[[1, 1, 1]]).0;
-        let bodies = [bar(20), bar(21), Body::solid(cut, Connectivity::Six)];
+        let bodies = [bar(20), bar(21), DiscreteShape::solid(cut, Connectivity::Six)];
         let other = [
             SpectrumParameters { eigenpairs: 9.into(), ..parameters() },
-            SpectrumParameters { eigenpairs: Extent::Below(9.0), ..parameters() },
+            SpectrumParameters { eigenpairs: EigenpairRange::LambdaMax(9.0), ..parameters() },
             SpectrumParameters { tolerance: 1e-8, ..parameters() },
             SpectrumParameters { solver: Eigensolver::ShiftInvert, ..parameters() },
         ];
@@ -253,17 +249,17 @@ mod tests {
     fn a_damaged_or_foreign_file_is_ignored_named_and_replaced() {
         let folder = tempfile::tempdir().unwrap();
         let cache = SpectrumCache::open(folder.path()).unwrap();
-        let (body, other) = (bar(20), bar(12));
-        let (computed, _) = ask(&cache, &body, &parameters());
+        let (shape, other) = (bar(20), bar(12));
+        let (computed, _) = ask(&cache, &shape, &parameters());
         ask(&cache, &other, &parameters());
-        let path = cache.path(&key(&body, &parameters()));
+        let path = cache.path(&key(&shape, &parameters()));
         let whole = std::fs::read(&path).unwrap();
         let mut flipped = whole.clone();
         flipped[whole.len() / 2] ^= 4;
         let foreign = std::fs::read(cache.path(&key(&other, &parameters()))).unwrap();
         for bad in [&whole[..whole.len() / 2], &flipped, &foreign, b"", b"something else"] {
             std::fs::write(&path, bad).unwrap();
-            let (spectrum, how) = ask(&cache, &body, &parameters());
+            let (spectrum, how) = ask(&cache, &shape, &parameters());
             assert_eq!(bits(&spectrum), bits(&computed));
             let CacheUse::Trouble(text) = how else { panic!("{} bytes pass", bad.len()) };
             assert!(text.contains(&path.display().to_string()), "{text}");

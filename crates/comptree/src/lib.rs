@@ -89,7 +89,7 @@ pub use error::TreeError;
 pub use grey_value::GreyValue;
 pub use mser3d_shape as shape;
 pub use mser3d_shape::InvalidParameter;
-pub use msv::{MsvParameters, maximally_stable_volumes};
+pub use msv::{Contrast, MsvParameters, maximally_stable_volumes};
 #[cfg(feature = "petgraph")]
 pub use petgraph;
 pub use polarity::Polarity;

@@ -2,7 +2,31 @@
 use mser3d_shape::InvalidParameter;
 
 use crate::stability::{Candidate, regions_of};
-use crate::{ComponentTree, Selection, SelectionReport, TreeError};
+use crate::{ComponentTree, Polarity, Selection, SelectionReport, TreeError};
+
+mser3d_shape::choice! {
+    /// What maximally stable volumes have in common, and so which tree they are found in.
+    pub enum Contrast("kind of region") {
+        /// Dark regions on brighter ground (MSER+)
+        #[default]
+        Dark = "dark",
+        /// Bright regions on darker ground (MSER-)
+        Bright = "bright",
+        /// Regions of like colour: vectors have no order, but distances
+        Alike = "alike",
+    }
+}
+
+impl Contrast {
+    /// The polarity of the component tree that has such regions. Of [`Contrast::Alike`], the tree is over the distances
+    /// of neighbours.
+    pub fn polarity(self) -> Polarity {
+        match self {
+            Self::Dark | Self::Alike => Polarity::Sublevel,
+            Self::Bright => Polarity::Superlevel,
+        }
+    }
+}
 
 /// VLFeat's parameters of MSER, by its names; for volumes as for images.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -58,7 +58,7 @@ impl CliError {
             Self::Usage(_) => true,
             Self::Results(error) => matches!(
                 error,
-                ResultsError::Viewer(ViewerError::BadOption { .. })
+                ResultsError::Viewer(ViewerError::InvalidParameter(_))
                     | ResultsError::Mesh(MeshIoError::InvalidParameter(_))
                     | ResultsError::Export { .. }
                     | ResultsError::NoMesh { .. }

@@ -7,7 +7,7 @@ use mser3d::descriptors::{MatchParameters, MatchRule};
 use mser3d_collection::{
     CollectionError, DescribedResult, MatchRecord, Matching, judge_matching, match_results,
 };
-use mser3d_evaluation::{Verdict, read_symmetry};
+use mser3d_evaluation::read_symmetry;
 use mser3d_fileio::{write_atomically, write_text};
 use mser3d_results::{RegionPair, RenderOptions, Results, ResultsError, Up};
 

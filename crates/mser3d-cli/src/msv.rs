@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use mser3d::comptree::MsvParameters;
+use mser3d::comptree::{Contrast, MsvParameters};
 use mser3d::shape::Connectivity;
 use mser3d_results::ResultsError;
-use mser3d_results::msv::{Contrast, MSV_RECORD, MsvResults, MsvSearchParameters};
+use mser3d_results::msv::{MSV_RECORD, MsvResults, MsvSearchParameters};
 use mser3d_volumeio::{VolumeFormat, read_volume};
 
 use crate::choice::choice;

@@ -1,6 +1,7 @@
 //! Command-line options that become [`Parameters`]. Defaults and the names of choices are the library's.
 
 use std::path::PathBuf;
+use std::sync::LazyLock;
 
 use mser3d::comptree::{AltitudeScale, Polarity, PoolParameters, StabilityParameters, StabilityRule};
 use mser3d::descriptors::TimeScale;
@@ -146,6 +147,7 @@ impl RegionOptions {
                 max_volume_fraction: self.max_volume,
                 min_diversity: self.min_diversity,
                 min_stability: self.min_stability,
+                ..StabilityParameters::default()
             },
             pool: PoolParameters { duplicate_overlap: self.duplicate_overlap },
             descriptor: self.descriptor.into(),
@@ -183,8 +185,10 @@ fn relative_times() -> Vec<f64> {
 }
 
 /// The default tolerance as people write it.
-fn tolerance() -> String {
-    format!("{:e}", SpectrumParameters::default().tolerance)
+fn tolerance() -> &'static str {
+    static TEXT: LazyLock<String> =
+        LazyLock::new(|| format!("{:e}", SpectrumParameters::default().tolerance));
+    &TEXT
 }
 
 /// A whole number that is at least one.

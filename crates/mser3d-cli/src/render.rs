@@ -3,10 +3,12 @@
 use std::path::PathBuf;
 
 use clap::ValueEnum;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use mser3d::shape::Choice;
 use mser3d_fileio::write_atomically;
 use mser3d_results::msv::MsvResults;
 use mser3d_results::{Image, RenderOptions, Results, ResultsError, Up};
-use mser3d_viewer::{Panel, View, render};
+use mser3d_viewer::{NamedView, Panel, View, render};
 
 use crate::choice::choice;
 use crate::error::CliError;
@@ -19,7 +21,7 @@ pub struct RenderArgs {
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// What to draw, from left to right [default: all but voxels and top, inside for volumes]
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "VIEW,...")]
+    #[arg(long, value_parser = shots(), value_delimiter = ',', value_name = "VIEW,...")]
     pub views: Vec<Shot>,
     /// Height of each view, in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 800)]
@@ -38,18 +40,27 @@ pub struct RenderArgs {
     pub up: Up,
 }
 
-/// A view and what it shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+/// What a panel shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shot {
-    Front,
-    ThreeQuarter,
-    Side,
-    Back,
-    Top,
+    /// The surface, from a side
+    Surface(NamedView),
     /// The surface cut open
     Inside,
     /// The voxels, cut open
     Voxels,
+}
+
+/// The names of the viewer's views, and two more.
+fn shots() -> impl TypedValueParser<Value = Shot> {
+    let views = NamedView::ALL.iter().map(|view| PossibleValue::new(view.name()).help(view.about()));
+    let open = PossibleValue::new("inside").help("The surface cut open");
+    let voxels = PossibleValue::new("voxels").help("The voxels, cut open");
+    PossibleValuesParser::new(views.chain([open, voxels])).try_map(|name| match name.as_str() {
+        "inside" => Ok(Shot::Inside),
+        "voxels" => Ok(Shot::Voxels),
+        name => name.parse().map(Shot::Surface),
+    })
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -62,16 +73,17 @@ pub enum Axis {
 impl Shot {
     fn view(self) -> View {
         match self {
-            Self::Front => View::FRONT,
-            Self::Side => View::SIDE,
-            Self::Back => View::BACK,
-            Self::Top => View::TOP,
-            Self::ThreeQuarter | Self::Inside | Self::Voxels => View::THREE_QUARTER,
+            Self::Surface(view) => view.into(),
+            Self::Inside | Self::Voxels => NamedView::ThreeQuarter.into(),
         }
     }
 
     fn caption(self) -> String {
-        self.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned())
+        match self {
+            Self::Surface(view) => view.to_string(),
+            Self::Inside => "inside".to_owned(),
+            Self::Voxels => "voxels".to_owned(),
+        }
     }
 }
 
@@ -101,10 +113,10 @@ fn draw(args: &RenderArgs, options: &RenderOptions) -> Result<Image, CliError> {
     let results = Results::load(&args.folder)?;
     let solid = results.grid.is_some();
     let shots = match &args.views[..] {
-        [] => [Shot::Front, Shot::ThreeQuarter, Shot::Side, Shot::Back, Shot::Inside]
-            .into_iter()
-            .filter(|shot| solid || *shot != Shot::Inside)
-            .collect(),
+        [] => {
+            let sides = [NamedView::Front, NamedView::ThreeQuarter, NamedView::Side, NamedView::Back];
+            sides.map(Shot::Surface).into_iter().chain(solid.then_some(Shot::Inside)).collect()
+        }
         chosen => chosen.to_vec(),
     };
     if !solid && shots.iter().any(|s| [Shot::Inside, Shot::Voxels].contains(s)) {

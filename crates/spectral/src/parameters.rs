@@ -21,13 +21,15 @@ choice! {
 
 /// Which eigenpairs to compute, from the smallest on.
 ///
-/// In JSON `{"count": 100}` or `{"lambda_max": 30.0}`.
+/// In JSON `{"count": 100}`, `{"at_most": 100}` or `{"lambda_max": 30.0}`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum EigenpairRange {
-    /// This many, zero modes included.
+    /// This many, zero modes included; an error where there are fewer.
     Count(usize),
+    /// This many, or all there are if the shape is so small that it has fewer.
+    AtMost(usize),
     /// All whose `lambda V^(2/3)` (on a surface `lambda A`) is less than this number, at least one.
     ///
     /// The spectra of shapes of any size then end at the same scale. A connected solid has about
@@ -41,7 +43,7 @@ impl EigenpairRange {
     pub fn about(self, domain: Domain) -> usize {
         use std::f64::consts::PI;
         match (self, domain) {
-            (Self::Count(count), _) => count,
+            (Self::Count(count) | Self::AtMost(count), _) => count,
             (Self::LambdaMax(bound), Domain::Volume) => (bound.powf(1.5) / (6.0 * PI * PI)) as usize + 1,
             (Self::LambdaMax(bound), Domain::Surface) => (bound / (4.0 * PI)) as usize + 1,
         }
@@ -59,7 +61,7 @@ impl From<usize> for EigenpairRange {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SpectrumParameters {
-    /// Which eigenpairs. Default: the 100 smallest.
+    /// Which eigenpairs. Default: the 100 smallest, or as many as there are.
     pub eigenpairs: EigenpairRange,
     /// Largest relative residual |W phi - lambda M phi| / (lambda |phi|), in the norms of M^-1 and M.
     /// Default 1e-9.
@@ -77,7 +79,7 @@ pub struct SpectrumParameters {
 impl Default for SpectrumParameters {
     fn default() -> Self {
         Self {
-            eigenpairs: EigenpairRange::Count(100),
+            eigenpairs: EigenpairRange::AtMost(100),
             tolerance: 1e-9,
             solver: Eigensolver::Auto,
             max_iterations: 60,
@@ -93,7 +95,7 @@ impl SpectrumParameters {
     /// [`SpectralError::InvalidParameter`] for the first field that is out of range.
     pub fn validate(&self) -> Result<(), SpectralError> {
         match self.eigenpairs {
-            EigenpairRange::Count(count) => {
+            EigenpairRange::Count(count) | EigenpairRange::AtMost(count) => {
                 InvalidParameter::unless(count > 0, "eigenpairs", count, "at least 1")?
             }
             EigenpairRange::LambdaMax(bound) => {

@@ -57,6 +57,7 @@ pub fn smallest_eigenpairs_of_grid(
             Err(SpectralError::TooManyEigenpairs { requested: k, available: n })
         }
         EigenpairRange::Count(k) => solve(k),
+        EigenpairRange::AtMost(k) => solve(k.min(n)),
         EigenpairRange::LambdaMax(relative) => {
             let bound = relative * unit_eigenvalue(Domain::Volume, grid.volume());
             check_size(grid.volume(), bound)?;

@@ -60,6 +60,7 @@ pub fn smallest_eigenpairs(
             Err(SpectralError::TooManyEigenpairs { requested: k, available })
         }
         EigenpairRange::Count(k) => solve(k),
+        EigenpairRange::AtMost(k) => solve(k.min(available)),
         EigenpairRange::LambdaMax(_) if available == 0 => {
             Err(SpectralError::TooManyEigenpairs { requested: 1, available })
         }

@@ -14,6 +14,7 @@ use std::fmt;
 
 /// An animation that a glTF file offers.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct AnimationInfo {
     /// Its number in the file, from 0.

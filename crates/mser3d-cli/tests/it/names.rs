@@ -4,14 +4,13 @@ use std::fmt::Debug;
 use std::path::Path;
 
 use crate::common::*;
-use mser3d::comptree::{AltitudeScale, Polarity, StabilityRule};
+use mser3d::comptree::{AltitudeScale, Contrast, Polarity, StabilityRule};
 use mser3d::descriptors::MatchRule;
 use mser3d::shape::{Choice, Connectivity};
 use mser3d::spectral::Eigensolver;
 use mser3d::voxelize::{InsideTest, Morphology, Overlap};
 use mser3d::{Descriptor, DescriptorKind, Weight};
 use mser3d_results::Up;
-use mser3d_results::msv::Contrast;
 use serde_json::Value;
 
 /// `SizedSiHks` as `sized-si-hks`.

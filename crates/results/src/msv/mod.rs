@@ -7,36 +7,13 @@ mod record;
 pub use record::{MSV_RECORD, MsvRecord, MsvRegion, MsvSearch};
 
 use mser3d::comptree::{
-    ComponentTree, Ellipsoid, Moments, MsvParameters, Polarity, StableRegion, TreeError,
+    ComponentTree, Contrast, Ellipsoid, Moments, MsvParameters, StableRegion, TreeError,
     maximally_stable_volumes,
 };
 use mser3d_shape::Connectivity;
 use mser3d_volumeio::{Samples, Volume};
 
 use crate::ResultsError;
-
-mser3d_shape::choice! {
-    /// What the regions of a search have in common.
-    pub enum Contrast("kind of region") {
-        /// Dark regions on brighter ground (MSER+)
-        #[default]
-        Dark = "dark",
-        /// Bright regions on darker ground (MSER-)
-        Bright = "bright",
-        /// Regions of like colour: vectors have no order, but distances
-        Alike = "alike",
-    }
-}
-
-impl Contrast {
-    /// The polarity of the component tree that has such regions.
-    pub fn polarity(self) -> Polarity {
-        match self {
-            Self::Dark | Self::Alike => Polarity::Sublevel,
-            Self::Bright => Polarity::Superlevel,
-        }
-    }
-}
 
 /// Parameters of [`MsvResults::find`].
 #[derive(Clone, Debug, PartialEq)]

@@ -1,9 +1,8 @@
-use mser3d::comptree::{MsvParameters, SelectionReport};
+use mser3d::comptree::{Contrast, MsvParameters, SelectionReport};
 use mser3d_shape::Connectivity;
 use mser3d_volumeio::{Placement, Volume};
 use serde::{Deserialize, Serialize};
 
-use super::Contrast;
 use crate::FORMAT;
 
 /// The name of the record in its folder: what tells such a folder from that of [`Results`](crate::Results).
