@@ -1,3 +1,4 @@
+//! Descriptors of regions (eq. 11).
 use crate::{DescriptorError, Descriptors};
 use rayon::prelude::*;
 
