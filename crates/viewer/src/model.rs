@@ -1,10 +1,12 @@
+//! What is drawn: triangles with normals, colours and light, perhaps cut open.
+
 use std::collections::BTreeMap;
 
-use mser3d_shape::{BoundingBox, TriangleMesh, VoxelGrid};
+use mser3d_shape::vector::{Vec3, dot, scale, sub};
+use mser3d_shape::{BoundingBox, InvalidParameter, TriangleMesh, VoxelGrid};
 
 use crate::occlusion::openness;
 use crate::section::{Filling, is_closed};
-use crate::vector::{Vec3, dot, scale, sub};
 use crate::{NO_REGION, Rgb, ViewerError, normals, section};
 
 /// How a surface is coloured.
@@ -60,11 +62,8 @@ impl Cut {
         if length > 0.0 && length.is_finite() && self.offset.is_finite() {
             return Ok(());
         }
-        Err(ViewerError::BadOption {
-            option: "cut",
-            value: format!("{self:?}"),
-            allowed: "a plane with a finite normal that is not zero and a finite offset",
-        })
+        let expected = "a plane with a finite normal that is not zero and a finite offset";
+        Err(InvalidParameter::new("cut", format!("{self:?}"), expected).into())
     }
 }
 
@@ -167,7 +166,7 @@ impl Model {
     ///
     /// # Errors
     /// [`ViewerError::SizeMismatch`] when colours and grid differ; [`ViewerError::Empty`] when no voxel
-    /// is left; [`ViewerError::BadOption`] for a cut that is no plane.
+    /// is left; [`ViewerError::InvalidParameter`] for a cut that is no plane.
     pub fn from_voxels(grid: &VoxelGrid, colours: &[Rgb], cut: Option<&Cut>) -> Result<Self, ViewerError> {
         fits("colours per voxel", colours.len(), grid.len())?;
         cut.map_or(Ok(()), Cut::check)?;

@@ -1,3 +1,5 @@
+//! Colours of regions and of scalar fields.
+
 use mser3d_shape::Graph;
 
 use crate::Rgb;
