@@ -36,7 +36,7 @@ impl HksParameters {
 /// (Sun et al. 2009 on surfaces, Raviv et al. 2010 in volumes).
 ///
 /// `vertices` lists the vertices to compute, one a row; `None` means all. Values in length^-3 in a volume,
-/// length^-2 on a surface: they change with the shape's scale, other than [`si_hks`](crate::si_hks).
+/// length^-2 on a surface: unlike those of [`si_hks`](crate::si_hks) they depend on the shape's scale.
 ///
 /// # Errors
 /// [`DescriptorError::InvalidParameter`], [`DescriptorError::EmptyBasis`], [`DescriptorError::IndexOutOfRange`].

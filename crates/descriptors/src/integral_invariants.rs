@@ -48,8 +48,8 @@ impl IntegralInvariantParameters {
 /// tips.
 ///
 /// `voxels` lists the voxels to compute, one a row; `None` means all. A voxel counts as in the ball when its
-/// centre is. Balls are straight-line ones: they change when the shape bends and when another part comes
-/// near, which heat kernels don't.
+/// centre is. Balls are Euclidean: unlike heat kernels, the invariants change when the shape bends or
+/// when another part comes near.
 ///
 /// Cost: two look-ups for each voxel and each row of voxels of each ball, about pi r^2 for a radius of r
 /// voxels.

@@ -24,7 +24,7 @@ pub struct SiHksParameters {
     pub unit: Option<f64>,
     /// First tau, the base-2 logarithm of the first t. Default 1.
     pub tau_start: f64,
-    /// End of the tau, itself left out. Default 25.
+    /// End of the range of tau, exclusive. Default 25.
     pub tau_end: f64,
     /// Samples for each doubling of t. Default 16.
     pub samples_per_octave: usize,

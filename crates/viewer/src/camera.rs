@@ -68,9 +68,9 @@ impl View {
     /// From above.
     pub const TOP: Self = Self { azimuth: 0.0, elevation: 90.0 };
 
-    /// The view, of several, that part of a surface faces most: in which its triangles that face the
-    /// viewer have the largest area. What hides what is not asked. The first of equals; `None` without
-    /// views.
+    /// The one of several views that shows most of a part of a surface: in which the triangles of the part
+    /// that face the viewer have the largest projected area. That other parts may hide them is ignored. Of
+    /// equal views the first; `None` if `views` is empty.
     ///
     /// `part` lists vertices; a triangle is of the part when its three corners are.
     pub fn facing(mesh: &TriangleMesh, part: &[u32], up: Up, views: &[Self]) -> Option<Self> {

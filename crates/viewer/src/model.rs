@@ -28,7 +28,7 @@ pub enum Colours<'a> {
     },
 }
 
-/// A plane that cuts a shape open: what lies at `normal . p <= offset` stays.
+/// A plane that cuts a shape open: points p with `normal . p <= offset` are kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cut {
     /// Direction towards the side that is taken away; need not have length one.
@@ -38,7 +38,8 @@ pub struct Cut {
 }
 
 impl Cut {
-    /// The plane across a box that takes away the far end along an axis: 0 keeps nothing, 1 all.
+    /// The plane across a box that takes away the far end along an axis. `kept` is the fraction that is left:
+    /// 0 keeps nothing, 1 all.
     pub fn across(bounds: &BoundingBox, axis: usize, kept: f64) -> Self {
         let mut normal = [0.0; 3];
         normal[axis % 3] = 1.0;
