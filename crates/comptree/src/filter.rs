@@ -13,7 +13,7 @@ impl ComponentTree {
     /// ```
     /// use mser3d_comptree::{ComponentTree, Polarity};
     ///
-    /// // An area opening: the pit of one vertex goes, the valley of three stays.
+    /// // An area opening: the pit of one vertex is removed, the valley of three is kept.
     /// let heights = [2.0, 9.0, 1.0, 1.0, 1.0];
     /// let path = [[0, 1], [1, 2], [2, 3], [3, 4]];
     /// let tree = ComponentTree::from_vertex_weights(&path, &heights, 1.0, Polarity::Sublevel)?;

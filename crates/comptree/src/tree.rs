@@ -19,9 +19,9 @@ pub(crate) const NONE: u32 = u32::MAX;
 /// vertices a slice of one permutation.
 ///
 /// With vertex weights a vertex enters at its own weight, alone if it is a local minimum. With edge
-/// weights two components merge at the weight of the lightest edge between them; single vertices,
-/// which are there at any level, are no nodes, but for a vertex without edges: it is a root of altitude
-/// -inf (+inf for superlevel sets).
+/// weights two components merge at the weight of the lightest edge between them. A single vertex exists
+/// at any level and is not a node, unless it has no edges: then it is a root of altitude -inf (+inf for
+/// superlevel sets).
 ///
 /// Memory: 12 bytes a node and 4 a vertex, with 4 more a node unless each has just one vertex; 4 more each
 /// once slices and [`node_of`](Self::node_of) are used, and 8 a node with volumes that differ.

@@ -1,3 +1,4 @@
+//! The linear assignment problem: one-to-one matches of least total cost.
 use crate::DescriptorError;
 
 /// The one-to-one assignment of least total cost: which column each row gets.

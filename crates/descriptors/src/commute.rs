@@ -1,11 +1,12 @@
-use crate::{DescriptorError, spectrum};
+//! Commute time (eq. 6) and other powers of the eigenvalues.
+use crate::{DescriptorError, spectral_sums};
 use mser3d_shape::{Domain, Eigenbasis};
 
 /// An eigenvalue counts as zero when it is at most this, in units of `1 / Eigenbasis::unit_time`.
 ///
-/// Solvers return the zero eigenvalues as rounding noise, about 1e-11 in these units; the smallest true one of a dumbbell
-/// whose two halves touch in a single voxel of a million is about 1e-2, that of a rod a thousand times
-/// longer than thick about 1e-3.
+/// Solvers return the zero eigenvalues as rounding noise, about 1e-11 in these units; the smallest true one
+/// of a dumbbell whose two halves touch in a single voxel of a million is about 1e-2, that of a rod a
+/// thousand times longer than thick about 1e-3.
 pub const ZERO_EIGENVALUE: f64 = 1e-8;
 
 /// How many eigenvalues are zero: one for each component of the shape.
@@ -38,17 +39,17 @@ pub fn commute_time(basis: &Eigenbasis) -> Result<Vec<f64>, DescriptorError> {
 /// surface); p = -1 is the integral of H_t(v,v) over all times, without the constant mode.
 ///
 /// # Errors
-/// [`DescriptorError::EmptyBasis`], [`DescriptorError::OnlyZeroModes`], [`DescriptorError::BadParameter`]
+/// [`DescriptorError::EmptyBasis`], [`DescriptorError::OnlyZeroModes`], [`DescriptorError::InvalidParameter`]
 /// when p is not finite.
 pub fn power_diffusivity(basis: &Eigenbasis, p: f64) -> Result<Vec<f64>, DescriptorError> {
     if !p.is_finite() {
         return Err(DescriptorError::parameter("the exponent of the eigenvalues", p, "finite"));
     }
-    spectrum::check(basis)?;
+    spectral_sums::check(basis)?;
     let (values, first) = (basis.eigenvalues(), zero_modes(basis));
     if first == values.len() {
         return Err(DescriptorError::OnlyZeroModes { eigenpairs: first });
     }
     let weights: Vec<f64> = values[first..].iter().map(|l| l.powf(p)).collect();
-    Ok(spectrum::weighted_squares(basis, first, &weights))
+    Ok(spectral_sums::weighted_squares(basis, first, &weights))
 }

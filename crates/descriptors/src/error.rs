@@ -1,19 +1,14 @@
 use std::fmt::Display;
 
+use mser3d_shape::InvalidParameter;
+
 /// Why weights, descriptors or matches cannot be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DescriptorError {
     /// A parameter is outside its range.
-    #[error("{name} is {value}, but must be {requirement}")]
-    BadParameter {
-        /// The parameter.
-        name: &'static str,
-        /// Its value.
-        value: String,
-        /// What it must be.
-        requirement: &'static str,
-    },
+    #[error(transparent)]
+    InvalidParameter(#[from] InvalidParameter),
     /// The eigenbasis has no vertices or no eigenpairs.
     #[error(
         "the eigenbasis has {vertices} vertices and {eigenpairs} eigenpairs; at least one of each is needed"
@@ -79,7 +74,7 @@ pub enum DescriptorError {
 }
 
 impl DescriptorError {
-    pub(crate) fn parameter(name: &'static str, value: impl Display, requirement: &'static str) -> Self {
-        Self::BadParameter { name, value: value.to_string(), requirement }
+    pub(crate) fn parameter(name: &'static str, value: impl Display, expected: &'static str) -> Self {
+        InvalidParameter::new(name, value, expected).into()
     }
 }

@@ -1,6 +1,6 @@
 //! The heat kernel `H_t(u,v) = sum_i exp(-lambda_i t) phi_i(u) phi_i(v)` on vertices and edges (section 4.3).
 
-use crate::{DescriptorError, TimeScale, spectrum};
+use crate::{DescriptorError, TimeScale, spectral_sums};
 use mser3d_shape::Eigenbasis;
 use rayon::prelude::*;
 
@@ -11,10 +11,10 @@ use rayon::prelude::*;
 /// n values. Cost: n times the number of modes with `exp(-lambda t) >= 1e-18`.
 ///
 /// # Errors
-/// [`DescriptorError::BadParameter`] unless t is positive and finite, [`DescriptorError::EmptyBasis`].
+/// [`DescriptorError::InvalidParameter`] unless t is positive and finite, [`DescriptorError::EmptyBasis`].
 pub fn auto_diffusivity(basis: &Eigenbasis, t: f64) -> Result<Vec<f64>, DescriptorError> {
     let decay = decay(basis, t)?;
-    Ok(spectrum::weighted_squares(basis, 0, &decay))
+    Ok(spectral_sums::weighted_squares(basis, 0, &decay))
 }
 
 /// The heat kernel H_t(u,v) on each edge, in the order of the edges.
@@ -23,11 +23,11 @@ pub fn auto_diffusivity(basis: &Eigenbasis, t: f64) -> Result<Vec<f64>, Descript
 /// of t: read such a value as "no heat gets there".
 ///
 /// # Errors
-/// [`DescriptorError::BadParameter`] unless t is positive and finite, [`DescriptorError::EmptyBasis`],
+/// [`DescriptorError::InvalidParameter`] unless t is positive and finite, [`DescriptorError::EmptyBasis`],
 /// [`DescriptorError::IndexOutOfRange`].
 pub fn heat_kernel(basis: &Eigenbasis, t: f64, edges: &[[u32; 2]]) -> Result<Vec<f64>, DescriptorError> {
     let decay = decay(basis, t)?;
-    over_edges(basis, edges, |u, v| spectrum::sum(&decay, |i| u[i] * v[i]))
+    over_edges(basis, edges, |u, v| spectral_sums::sum(&decay, |i| u[i] * v[i]))
 }
 
 /// The paper's edge weight 1/H_t(u,v): low where heat passes easily.
@@ -57,13 +57,13 @@ pub fn diffusion_distance(
     edges: &[[u32; 2]],
 ) -> Result<Vec<f64>, DescriptorError> {
     let decay = decay(basis, 2.0 * t)?;
-    over_edges(basis, edges, |u, v| spectrum::sum(&decay, |i| (u[i] - v[i]) * (u[i] - v[i])).sqrt())
+    over_edges(basis, edges, |u, v| spectral_sums::sum(&decay, |i| (u[i] - v[i]) * (u[i] - v[i])).sqrt())
 }
 
 /// The heat trace `sum_i exp(-lambda_i t)`, which is the integral of H_t(v,v) over the shape.
 ///
 /// # Errors
-/// [`DescriptorError::BadParameter`] unless t is positive and finite, [`DescriptorError::EmptyBasis`].
+/// [`DescriptorError::InvalidParameter`] unless t is positive and finite, [`DescriptorError::EmptyBasis`].
 pub fn heat_trace(basis: &Eigenbasis, t: f64) -> Result<f64, DescriptorError> {
     Ok(decay(basis, t)?.iter().sum())
 }
@@ -71,9 +71,9 @@ pub fn heat_trace(basis: &Eigenbasis, t: f64) -> Result<f64, DescriptorError> {
 /// `exp(-lambda_i t)` of the modes that count at time t, which are the first ones.
 pub(crate) fn decay(basis: &Eigenbasis, t: f64) -> Result<Vec<f64>, DescriptorError> {
     let t = TimeScale::Absolute(t).on(basis)?;
-    spectrum::check(basis)?;
+    spectral_sums::check(basis)?;
     let values = basis.eigenvalues();
-    Ok(values[..spectrum::live_modes(values, t)].iter().map(|l| (-l * t).exp()).collect())
+    Ok(values[..spectral_sums::live_modes(values, t)].iter().map(|l| (-l * t).exp()).collect())
 }
 
 fn over_edges(

@@ -1,9 +1,12 @@
-use crate::{DescriptorError, Descriptors, TimeScale, selection::Selection, spectrum};
+//! The heat kernel signature (section 5; Sun et al. 2009, Raviv et al. 2010).
+use crate::{DescriptorError, Descriptors, TimeScale, spectral_sums, vertex_subset::VertexSubset};
 use mser3d_shape::Eigenbasis;
 use rayon::prelude::*;
 
 /// Parameters of [`hks`].
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct HksParameters {
     /// The time samples, one a column. Default: six from 0.25 to 1 of the shape's unit of time, evenly
     /// spaced in log t. (The paper's 1024 to 4096 are 0.23 to 0.92 on its own shapes.)
@@ -20,7 +23,7 @@ impl HksParameters {
     /// Whether there is a time sample and all of them are positive.
     ///
     /// # Errors
-    /// [`DescriptorError::BadParameter`].
+    /// [`DescriptorError::InvalidParameter`].
     pub fn validate(&self) -> Result<(), DescriptorError> {
         if self.times.is_empty() {
             return Err(DescriptorError::parameter("the number of time samples", 0, "at least 1"));
@@ -33,26 +36,26 @@ impl HksParameters {
 /// (Sun et al. 2009 on surfaces, Raviv et al. 2010 in volumes).
 ///
 /// `vertices` lists the vertices to compute, one a row; `None` means all. Values in length^-3 in a volume,
-/// length^-2 on a surface: they change with the shape's scale, other than [`si_hks`](crate::si_hks).
+/// length^-2 on a surface: unlike those of [`si_hks`](crate::si_hks) they depend on the shape's scale.
 ///
 /// # Errors
-/// [`DescriptorError::BadParameter`], [`DescriptorError::EmptyBasis`], [`DescriptorError::IndexOutOfRange`].
+/// [`DescriptorError::InvalidParameter`], [`DescriptorError::EmptyBasis`], [`DescriptorError::IndexOutOfRange`].
 pub fn hks(
     basis: &Eigenbasis,
     params: &HksParameters,
     vertices: Option<&[u32]>,
 ) -> Result<Descriptors, DescriptorError> {
     params.validate()?;
-    spectrum::check(basis)?;
-    let selection = Selection::new(basis.len(), vertices)?;
+    spectral_sums::check(basis)?;
+    let subset = VertexSubset::new(basis.len(), vertices)?;
     let decays: Vec<Vec<f64>> =
         params.times.iter().map(|t| crate::heat::decay(basis, t.on(basis)?)).collect::<Result<_, _>>()?;
     let q = decays.len();
-    let mut values = vec![0.0; selection.len() * q];
+    let mut values = vec![0.0; subset.len() * q];
     values.par_chunks_mut(q).with_min_len(256).enumerate().for_each(|(row, samples)| {
-        let phi = basis.at(selection.vertex(row));
+        let phi = basis.at(subset.vertex(row));
         for (sample, decay) in samples.iter_mut().zip(&decays) {
-            *sample = spectrum::sum(decay, |i| phi[i] * phi[i]);
+            *sample = spectral_sums::sum(decay, |i| phi[i] * phi[i]);
         }
     });
     Descriptors::new(q, values)

@@ -1,9 +1,12 @@
-use crate::{DescriptorError, Descriptors, selection::Selection};
+//! 3D integral invariants (section 5; Manay et al. 2006, Pottmann et al. 2009).
+use crate::{DescriptorError, Descriptors, vertex_subset::VertexSubset};
 use mser3d_shape::{BitGrid, VoxelGrid};
 use rayon::prelude::*;
 
 /// Parameters of [`integral_invariants`].
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct IntegralInvariantParameters {
     /// Radii of the balls, one a column, in units of [`IntegralInvariantParameters::unit`].
     /// Default 0.05, 0.1, 0.15, 0.2, 0.3 and 0.4: 2 to 14 voxels in a solid of 45,000.
@@ -23,7 +26,7 @@ impl IntegralInvariantParameters {
     /// Whether all values are in range.
     ///
     /// # Errors
-    /// [`DescriptorError::BadParameter`].
+    /// [`DescriptorError::InvalidParameter`].
     pub fn validate(&self) -> Result<(), DescriptorError> {
         if self.radii.is_empty() {
             return Err(DescriptorError::parameter("the number of radii", 0, "at least 1"));
@@ -45,13 +48,14 @@ impl IntegralInvariantParameters {
 /// tips.
 ///
 /// `voxels` lists the voxels to compute, one a row; `None` means all. A voxel counts as in the ball when its
-/// centre is. Balls are straight-line ones: they change when the shape bends and when another part comes
-/// near, which heat kernels don't.
+/// centre is. Balls are Euclidean: unlike heat kernels, the invariants change when the shape bends or
+/// when another part comes near.
 ///
-/// Cost: two look-ups for each voxel and each row of voxels of each ball, about pi r^2 for a radius of r voxels.
+/// Cost: two look-ups for each voxel and each row of voxels of each ball, about pi r^2 for a radius of r
+/// voxels.
 ///
 /// # Errors
-/// [`DescriptorError::BadParameter`], also for a radius beyond the grid's diagonal,
+/// [`DescriptorError::InvalidParameter`], also for a radius beyond the grid's diagonal,
 /// [`DescriptorError::IndexOutOfRange`].
 pub fn integral_invariants(
     grid: &VoxelGrid,
@@ -59,7 +63,7 @@ pub fn integral_invariants(
     voxels: Option<&[u32]>,
 ) -> Result<Descriptors, DescriptorError> {
     params.validate()?;
-    let selection = Selection::new(grid.len(), voxels)?;
+    let subset = VertexSubset::new(grid.len(), voxels)?;
     let unit = params.unit.unwrap_or_else(|| grid.volume().cbrt());
     let (spacing, dims) = (grid.frame().spacing(), grid.frame().dims());
     let diagonal = (0..3).map(|a| (dims[a] as f64 * spacing[a]).powi(2)).sum::<f64>().sqrt();
@@ -71,9 +75,9 @@ pub fn integral_invariants(
     let counts = RowCounts::new(grid.occupancy());
     let places: Vec<[u32; 3]> = grid.voxels().collect();
 
-    let mut values = vec![0.0; selection.len() * balls.len()];
+    let mut values = vec![0.0; subset.len() * balls.len()];
     values.par_chunks_mut(balls.len()).with_min_len(64).enumerate().for_each(|(row, shares)| {
-        let centre = places[selection.vertex(row)];
+        let centre = places[subset.vertex(row)];
         for (share, ball) in shares.iter_mut().zip(&balls) {
             let inside: u64 = ball.rows.iter().map(|row| counts.inside(centre, row)).sum();
             *share = inside as f64 / ball.voxels;
@@ -228,6 +232,6 @@ mod tests {
         let grid = solid([2, 2, 2], [1.0; 3], |_| true);
         assert!(integral_invariants(&grid, &lengths(&[1.0]), Some(&[8])).is_err());
         let error = integral_invariants(&grid, &lengths(&[3.0, 4.0]), None).unwrap_err();
-        assert!(error.to_string().starts_with("a radius is 4, but must be at most the diagonal"), "{error}");
+        assert!(error.to_string().starts_with("a radius is 4: it must be at most the diagonal"), "{error}");
     }
 }

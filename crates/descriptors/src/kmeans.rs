@@ -1,6 +1,7 @@
 //! Seeded k-means: k-means++ (Arthur & Vassilvitskii 2007), then Lloyd's iteration.
 
-use crate::{DescriptorError, Descriptors, table::squared_distance};
+use crate::{DescriptorError, Descriptors, descriptor_table::squared_distance};
+use mser3d_shape::SplitMix64;
 use rayon::prelude::*;
 
 /// The centres of `k` clusters. The same seed gives the same bits.
@@ -52,12 +53,12 @@ fn nearest(point: &[f64], centres: &[f64], width: usize) -> usize {
 /// First centres far from each other: each point is taken with a probability proportional to its squared
 /// distance from those taken before.
 fn spread(points: &Descriptors, k: usize, seed: u64) -> Result<Vec<f64>, DescriptorError> {
-    let mut random = SplitMix64(seed);
+    let mut random = SplitMix64::new(seed);
     let mut distances = vec![1.0; points.len()];
     let mut centres = Vec::with_capacity(k * points.width());
     for found in 0..k {
         let total: f64 = distances.iter().sum();
-        let mut left = random.unit() * total;
+        let mut left = random.uniform() * total;
         let mut chosen = None;
         for (number, &distance) in distances.iter().enumerate().filter(|(_, d)| **d > 0.0) {
             chosen = Some(number);
@@ -77,18 +78,4 @@ fn spread(points: &Descriptors, k: usize, seed: u64) -> Result<Vec<f64>, Descrip
         }
     }
     Ok(centres)
-}
-
-/// The generator of Steele, Lea & Flood (2014): few lines, and the same numbers everywhere.
-struct SplitMix64(u64);
-
-impl SplitMix64 {
-    /// Uniform in [0, 1).
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
 }

@@ -33,11 +33,15 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Times have units of length^2 ([`TimeScale`]). Results are the same, bit for bit, for any number of threads.
+//! Times have units of length^2 ([`TimeScale`]). Results are the same, bit for bit, for any number of
+//! threads.
+//!
+//! Features: `serde` (parameters and names of choices for serde), `schema` (their JSON Schema).
 #![warn(missing_docs)]
 
 mod assignment;
 mod commute;
+mod descriptor_table;
 mod error;
 mod heat;
 mod hks;
@@ -45,22 +49,27 @@ mod integral_invariants;
 mod kmeans;
 mod matching;
 mod regions;
-mod selection;
 mod si_hks;
-mod spectrum;
-mod table;
-mod time;
+mod spectral_sums;
+mod time_scale;
+mod vertex_subset;
 mod vocabulary;
 
 pub use assignment::assign;
 pub use commute::{ZERO_EIGENVALUE, commute_time, power_diffusivity, zero_modes};
+pub use descriptor_table::Descriptors;
 pub use error::DescriptorError;
 pub use heat::{auto_diffusivity, diffusion_distance, heat_kernel, heat_trace, inverse_heat_kernel};
 pub use hks::{HksParameters, hks};
 pub use integral_invariants::{IntegralInvariantParameters, integral_invariants};
-pub use matching::{Candidate, Match, MatchParameters, MatchRule, match_descriptors};
+pub use matching::{Candidate, DescriptorMatch, MatchParameters, MatchRule, match_descriptors};
+pub use mser3d_shape as shape;
+pub use mser3d_shape::InvalidParameter;
 pub use regions::region_descriptors;
 pub use si_hks::{SiHksParameters, si_hks};
-pub use table::Descriptors;
-pub use time::TimeScale;
+pub use time_scale::TimeScale;
 pub use vocabulary::{Vocabulary, VocabularyParameters};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}

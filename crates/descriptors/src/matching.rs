@@ -1,20 +1,28 @@
-use crate::{DescriptorError, Descriptors, assign, table::squared_distance};
+//! Matches of descriptors (section 6): nearest, mutual, one-to-one.
+use crate::{DescriptorError, Descriptors, assign, descriptor_table::squared_distance};
 use rayon::prelude::*;
 
-/// How partners are chosen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum MatchRule {
-    /// Each query gets its nearest reference; several may share one. The paper's rule.
-    #[default]
-    Nearest,
-    /// As nearest, but only where the query is also the nearest of its partner.
-    Mutual,
-    /// The one-to-one assignment with the least sum of distances ([`assign`]).
-    OneToOne,
+mser3d_shape::choice! {
+    /// How partners are chosen.
+    pub enum MatchRule("matching rule") {
+        /// Each query gets its nearest reference; several may share one
+        ///
+        /// The paper's rule.
+        #[default]
+        Nearest = "nearest",
+        /// As nearest, but only where the query is also the nearest of its partner
+        Mutual = "mutual",
+        /// The one-to-one assignment with the least sum of distances
+        ///
+        /// By [`assign`].
+        OneToOne = "one-to-one",
+    }
 }
 
 /// Parameters of [`match_descriptors`].
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MatchParameters {
     /// How partners are chosen. Default: nearest.
     pub rule: MatchRule,
@@ -39,7 +47,7 @@ impl MatchParameters {
     /// Whether all values are in range.
     ///
     /// # Errors
-    /// [`DescriptorError::BadParameter`].
+    /// [`DescriptorError::InvalidParameter`].
     pub fn validate(&self) -> Result<(), DescriptorError> {
         for (name, ratio) in [("max_ratio", self.max_ratio), ("ambiguity", Some(self.ambiguity))] {
             if let Some(ratio) = ratio
@@ -68,7 +76,8 @@ pub struct Candidate {
 
 /// A query with its partner.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Match {
+#[non_exhaustive]
+pub struct DescriptorMatch {
     /// Row among the queries.
     pub query: usize,
     /// The partner.
@@ -100,12 +109,12 @@ pub struct Match {
 /// Cost: one distance for each pair; the one-to-one rule also keeps them all, 8 bytes each.
 ///
 /// # Errors
-/// [`DescriptorError::BadParameter`], [`DescriptorError::SizeMismatch`] for descriptors of different length.
+/// [`DescriptorError::InvalidParameter`], [`DescriptorError::SizeMismatch`] for descriptors of different length.
 pub fn match_descriptors(
     queries: &Descriptors,
     references: &Descriptors,
     params: &MatchParameters,
-) -> Result<Vec<Match>, DescriptorError> {
+) -> Result<Vec<DescriptorMatch>, DescriptorError> {
     params.validate()?;
     references.check_width(queries)?;
     let pairs: Vec<(usize, usize)> = match params.rule {
@@ -132,7 +141,7 @@ pub fn match_descriptors(
         let exceeds = |ratio: f64| rival.is_some_and(|rival| partner.distance >= ratio * rival.distance);
         let kept = params.max_distance.is_none_or(|most| partner.distance <= most)
             && params.max_ratio.is_none_or(|ratio| !exceeds(ratio));
-        kept.then(|| Match { query, partner, rival, ambiguous: exceeds(params.ambiguity) })
+        kept.then(|| DescriptorMatch { query, partner, rival, ambiguous: exceeds(params.ambiguity) })
     });
     Ok(matches.flatten_iter().collect())
 }

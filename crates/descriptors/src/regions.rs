@@ -1,3 +1,4 @@
+//! Descriptors of regions (eq. 11).
 use crate::{DescriptorError, Descriptors};
 use rayon::prelude::*;
 
@@ -5,9 +6,9 @@ use rayon::prelude::*;
 /// `sum_v m_v d(v) / sum_v m_v`.
 ///
 /// `mass` holds the volume or area of each vertex, n values; a region lists its vertices, each once.
-/// `describe` computes descriptors of the vertices it is given, one a row. It is called once, with the
-/// vertices that lie in some region, ascending: those of nested regions are computed once, those of none
-/// not at all.
+/// `describe` computes descriptors of the vertices it is given, one a row. It is called once, with all
+/// vertices that lie in a region, in ascending order. So a vertex of several regions is computed once, and
+/// a vertex outside all regions never.
 ///
 /// ```
 /// use mser3d_descriptors::{SiHksParameters, region_descriptors, si_hks};

@@ -1,8 +1,8 @@
-//! The scale-invariant heat kernel signature.
+//! The scale-invariant heat kernel signature (eq. 9; Bronstein & Kokkinos 2010).
 
 mod log_slope;
 
-use crate::{DescriptorError, Descriptors, selection::Selection, spectrum};
+use crate::{DescriptorError, Descriptors, spectral_sums, vertex_subset::VertexSubset};
 use log_slope::{BLOCK, SlopeTable};
 use mser3d_shape::{Domain, Eigenbasis};
 use rayon::prelude::*;
@@ -10,6 +10,8 @@ use realfft::RealFftPlanner;
 
 /// Parameters of [`si_hks`].
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SiHksParameters {
     /// Volumes are scaled to this volume before `t = 2^tau` is taken. Default 45,000, the paper's number of
     /// voxels, so that t is in squared voxels there; the descriptor doesn't depend on the voxel size.
@@ -22,7 +24,7 @@ pub struct SiHksParameters {
     pub unit: Option<f64>,
     /// First tau, the base-2 logarithm of the first t. Default 1.
     pub tau_start: f64,
-    /// End of the tau, itself left out. Default 25.
+    /// End of the range of tau, exclusive. Default 25.
     pub tau_end: f64,
     /// Samples for each doubling of t. Default 16.
     pub samples_per_octave: usize,
@@ -51,7 +53,7 @@ impl SiHksParameters {
     /// Whether all values are in range.
     ///
     /// # Errors
-    /// [`DescriptorError::BadParameter`].
+    /// [`DescriptorError::InvalidParameter`].
     pub fn validate(&self) -> Result<(), DescriptorError> {
         let positive = [
             ("reference_volume", Some(self.reference_volume)),
@@ -111,36 +113,36 @@ impl SiHksParameters {
 /// `vertices` lists the vertices to compute, one a row; `None` means all.
 ///
 /// **Limits.** Invariance holds up to the ends of the sampled range of tau and the truncation of the
-/// spectrum (0.5 to 5 % for factors of 0.5 to 2, with 100 modes); scaling to the reference volume first takes even
-/// that away for copies of a whole shape. The number of eigenpairs changes the signature (by 18 % between 100 and
-/// 200): compare shapes with the same number only.
+/// spectrum (0.5 to 5 % for factors of 0.5 to 2, with 100 modes); scaling to the reference volume first takes
+/// even that away for copies of a whole shape. The number of eigenpairs changes the signature (by 18 %
+/// between 100 and 200): compare shapes with the same number only.
 ///
 /// **Cost.** For each vertex, two multiplications and additions for each pair of mode and sample with
 /// `exp(-lambda t) >= 1e-18`, and one FFT.
 ///
 /// # Errors
-/// [`DescriptorError::BadParameter`], [`DescriptorError::EmptyBasis`], [`DescriptorError::IndexOutOfRange`].
+/// [`DescriptorError::InvalidParameter`], [`DescriptorError::EmptyBasis`], [`DescriptorError::IndexOutOfRange`].
 pub fn si_hks(
     basis: &Eigenbasis,
     params: &SiHksParameters,
     vertices: Option<&[u32]>,
 ) -> Result<Descriptors, DescriptorError> {
     params.validate()?;
-    spectrum::check(basis)?;
-    let selection = Selection::new(basis.len(), vertices)?;
+    spectral_sums::check(basis)?;
+    let subset = VertexSubset::new(basis.len(), vertices)?;
     let (unit, samples, frequencies) = (params.unit(basis), params.samples(), params.frequencies);
     let step = 1.0 / params.samples_per_octave as f64;
     let times = (0..samples).map(|j| unit * (params.tau_start + j as f64 * step).exp2());
     let table = SlopeTable::new(basis.eigenvalues(), &times.collect::<Vec<_>>());
     let fft = RealFftPlanner::<f64>::new().plan_fft_forward(samples);
 
-    let mut values = vec![0.0; selection.len() * frequencies];
+    let mut values = vec![0.0; subset.len() * frequencies];
     values.par_chunks_mut(BLOCK * frequencies).enumerate().for_each_init(
         || (vec![0.0; BLOCK * samples], fft.make_output_vec(), fft.make_scratch_vec()),
         |(slopes, transform, scratch), (block, rows)| {
             let first = block * BLOCK;
             let count = rows.len() / frequencies;
-            table.slopes((first..first + count).map(|row| basis.at(selection.vertex(row))), slopes);
+            table.slopes((first..first + count).map(|row| basis.at(subset.vertex(row))), slopes);
             for (slope, row) in slopes.chunks_exact_mut(samples).zip(rows.chunks_exact_mut(frequencies)) {
                 fft.process_with_scratch(slope, transform, scratch)
                     .expect("buffers were made by this transform");

@@ -1,8 +1,11 @@
-use crate::{DescriptorError, Descriptors, kmeans, table::squared_distance};
+//! Vocabularies of typical descriptors: bags of features (section 5; Bronstein et al. 2011).
+use crate::{DescriptorError, Descriptors, descriptor_table::squared_distance, kmeans};
 use rayon::prelude::*;
 
 /// Parameters of [`Vocabulary::train`].
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct VocabularyParameters {
     /// Number of words. Default 10; 6 to 12 serve for regions.
     pub words: usize,
@@ -25,7 +28,7 @@ impl VocabularyParameters {
     /// Whether all values are in range.
     ///
     /// # Errors
-    /// [`DescriptorError::BadParameter`].
+    /// [`DescriptorError::InvalidParameter`].
     pub fn validate(&self) -> Result<(), DescriptorError> {
         if self.words == 0 {
             return Err(DescriptorError::parameter("words", 0, "at least 1"));
@@ -67,7 +70,7 @@ impl Vocabulary {
     /// A vocabulary of given words. With a sigma of zero each descriptor is its nearest word alone.
     ///
     /// # Errors
-    /// [`DescriptorError::BadParameter`] for a sigma that is negative or not finite,
+    /// [`DescriptorError::InvalidParameter`] for a sigma that is negative or not finite,
     /// [`DescriptorError::TooFewDescriptors`] without words.
     pub fn new(words: Descriptors, sigma: f64) -> Result<Self, DescriptorError> {
         check_sigma(sigma)?;
@@ -82,7 +85,7 @@ impl Vocabulary {
     /// Cost: `descriptors x words` distances for each iteration, and a nearest neighbour for each descriptor.
     ///
     /// # Errors
-    /// [`DescriptorError::BadParameter`]; [`DescriptorError::TooFewDescriptors`] when there are fewer different
+    /// [`DescriptorError::InvalidParameter`]; [`DescriptorError::TooFewDescriptors`] when there are fewer different
     /// descriptors than words, or fewer than two to measure sigma by.
     pub fn train(training: &Descriptors, params: &VocabularyParameters) -> Result<Self, DescriptorError> {
         params.validate()?;

@@ -1,15 +1,50 @@
+//! Where a picture is taken from: orthographic views.
+
 use mser3d_shape::TriangleMesh;
+use mser3d_shape::vector::{Vec3, add, cross, dot, scale, sub};
 
-use crate::vector::{Vec3, add, cross, dot, scale, sub};
+mser3d_shape::choice! {
+    /// Which axis of the shape points up.
+    pub enum Up("axis that points up") {
+        /// +y up, as in animation and in most OBJ and glTF files
+        ///
+        /// The front looks along +z.
+        #[default]
+        Y = "y",
+        /// +z up, as in CAD and in many scans
+        ///
+        /// The front looks along -y.
+        Z = "z",
+    }
+}
 
-/// Which axis of the shape points up.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Up {
-    /// +y up; the front looks along +z. The habit of animation and of OBJ and glTF files.
-    #[default]
-    Y,
-    /// +z up; the front looks along -y. The habit of CAD and of many scanners.
-    Z,
+mser3d_shape::choice! {
+    /// Views that have a name.
+    pub enum NamedView("view") {
+        /// From the front
+        #[default]
+        Front = "front",
+        /// Between front and side, a little from above
+        ThreeQuarter = "three-quarter",
+        /// From the side at +x
+        Side = "side",
+        /// From the back
+        Back = "back",
+        /// From above
+        Top = "top",
+    }
+}
+
+impl From<NamedView> for View {
+    fn from(view: NamedView) -> Self {
+        match view {
+            NamedView::Front => Self::FRONT,
+            NamedView::ThreeQuarter => Self::THREE_QUARTER,
+            NamedView::Side => Self::SIDE,
+            NamedView::Back => Self::BACK,
+            NamedView::Top => Self::TOP,
+        }
+    }
 }
 
 /// Where an orthographic camera stands: angles in degrees.
@@ -33,9 +68,9 @@ impl View {
     /// From above.
     pub const TOP: Self = Self { azimuth: 0.0, elevation: 90.0 };
 
-    /// The view, of several, that part of a surface faces most: in which its triangles that face the
-    /// viewer have the largest area. What hides what is not asked. The first of equals; `None` without
-    /// views.
+    /// The one of several views that shows most of a part of a surface: in which the triangles of the part
+    /// that face the viewer have the largest projected area. That other parts may hide them is ignored. Of
+    /// equal views the first; `None` if `views` is empty.
     ///
     /// `part` lists vertices; a triangle is of the part when its three corners are.
     pub fn facing(mesh: &TriangleMesh, part: &[u32], up: Up, views: &[Self]) -> Option<Self> {
@@ -116,7 +151,7 @@ mod tests {
 
     #[test]
     fn a_part_faces_the_view_it_is_on() {
-        let cube = crate::shapes::cube();
+        let cube = crate::test_shapes::cube();
         let part = |axis: usize, side: f64| -> Vec<u32> {
             let (low, high) = cube.bounding_box().map(|b| (b.min[axis], b.max[axis])).unwrap();
             let wanted = if side < 0.0 { low } else { high };

@@ -35,15 +35,8 @@ pub enum ViewerError {
         reason: &'static str,
     },
     /// An option lies outside its range.
-    #[error("{option} is {value}, but must be {allowed}")]
-    BadOption {
-        /// The option's name.
-        option: &'static str,
-        /// Its value.
-        value: String,
-        /// The values that make sense.
-        allowed: &'static str,
-    },
+    #[error(transparent)]
+    InvalidParameter(#[from] mser3d_shape::InvalidParameter),
     /// A coordinate is NaN or infinite.
     #[error("{what} {number} is NaN or infinite; remove or repair it")]
     NotFinite {

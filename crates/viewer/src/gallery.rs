@@ -1,3 +1,5 @@
+//! One HTML file with pictures in rows.
+
 use base64::Engine;
 
 use crate::page::{escape, fill};

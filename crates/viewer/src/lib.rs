@@ -12,6 +12,8 @@
 //! The same input gives the same bytes for any number of threads. Limits: orthographic views; one
 //! colour per sample, so no transparency.
 //!
+//! Features: `serde` (names of views and axes for serde), `schema` (their JSON Schema).
+//!
 //! ```
 //! use mser3d_shape::TriangleMesh;
 //! use mser3d_viewer::{Colours, Model, Panel, RenderOptions, region_colours, render};
@@ -29,11 +31,11 @@
 #![warn(missing_docs)]
 
 mod camera;
-mod draw;
+mod draw_panel;
 mod error;
 mod gallery;
 mod image;
-mod lettering;
+mod lighting;
 mod model;
 mod normals;
 mod occlusion;
@@ -42,20 +44,26 @@ mod palette;
 mod raster;
 mod render;
 mod rgb;
-mod samples;
 mod section;
-mod shade;
+mod stroke_font;
 #[cfg(test)]
-mod shapes;
-mod vector;
+mod test_shapes;
+mod z_buffer;
 
-pub use camera::{Up, View};
+pub use camera::{NamedView, Up, View};
 pub use error::ViewerError;
 pub use gallery::{Gallery, GalleryPicture, GalleryRow, gallery};
 pub use image::Image;
 pub use model::{Colours, Cut, Model};
-pub use page::{PageData, PageMatch, PageRegion, PageShape, PageTree, page};
+pub use mser3d_shape as shape;
+pub use mser3d_shape::InvalidParameter;
+pub use page::{PageData, PageRegion, PageShape, PageTree, RegionPair, page};
 pub use palette::{NO_REGION, PALETTE, linked_colours, region_colours, sequential, sequential_colours};
+pub use png;
 pub use render::{Panel, RenderOptions, render};
 pub use rgb::Rgb;
 pub use section::voxel_surface;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}

@@ -1,10 +1,12 @@
+//! What is drawn: triangles with normals, colours and light, perhaps cut open.
+
 use std::collections::BTreeMap;
 
-use mser3d_shape::{BoundingBox, TriangleMesh, VoxelGrid};
+use mser3d_shape::vector::{Vec3, dot, scale, sub};
+use mser3d_shape::{BoundingBox, InvalidParameter, TriangleMesh, VoxelGrid};
 
 use crate::occlusion::openness;
 use crate::section::{Filling, is_closed};
-use crate::vector::{Vec3, dot, scale, sub};
 use crate::{NO_REGION, Rgb, ViewerError, normals, section};
 
 /// How a surface is coloured.
@@ -26,7 +28,7 @@ pub enum Colours<'a> {
     },
 }
 
-/// A plane that cuts a shape open: what lies at `normal . p <= offset` stays.
+/// A plane that cuts a shape open: points p with `normal . p <= offset` are kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cut {
     /// Direction towards the side that is taken away; need not have length one.
@@ -36,7 +38,8 @@ pub struct Cut {
 }
 
 impl Cut {
-    /// The plane across a box that takes away the far end along an axis: 0 keeps nothing, 1 all.
+    /// The plane across a box that takes away the far end along an axis. `kept` is the fraction that is left:
+    /// 0 keeps nothing, 1 all.
     pub fn across(bounds: &BoundingBox, axis: usize, kept: f64) -> Self {
         let mut normal = [0.0; 3];
         normal[axis % 3] = 1.0;
@@ -60,11 +63,8 @@ impl Cut {
         if length > 0.0 && length.is_finite() && self.offset.is_finite() {
             return Ok(());
         }
-        Err(ViewerError::BadOption {
-            option: "cut",
-            value: format!("{self:?}"),
-            allowed: "a plane with a finite normal that is not zero and a finite offset",
-        })
+        let expected = "a plane with a finite normal that is not zero and a finite offset";
+        Err(InvalidParameter::new("cut", format!("{self:?}"), expected).into())
     }
 }
 
@@ -167,7 +167,7 @@ impl Model {
     ///
     /// # Errors
     /// [`ViewerError::SizeMismatch`] when colours and grid differ; [`ViewerError::Empty`] when no voxel
-    /// is left; [`ViewerError::BadOption`] for a cut that is no plane.
+    /// is left; [`ViewerError::InvalidParameter`] for a cut that is no plane.
     pub fn from_voxels(grid: &VoxelGrid, colours: &[Rgb], cut: Option<&Cut>) -> Result<Self, ViewerError> {
         fits("colours per voxel", colours.len(), grid.len())?;
         cut.map_or(Ok(()), Cut::check)?;

@@ -1,6 +1,7 @@
-use mser3d_shape::TriangleMesh;
+//! Smooth normals that keep creases.
 
-use crate::vector::{Vec3, add, cross, dot, scale, sub, unit};
+use mser3d_shape::TriangleMesh;
+use mser3d_shape::vector::{Vec3, add, cross, dot, scale, sub, unit};
 
 /// Normals of a mesh for shading.
 pub(crate) struct Normals {
@@ -72,11 +73,11 @@ fn triangles_around(mesh: &TriangleMesh) -> Around {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shapes;
+    use crate::test_shapes;
 
     #[test]
     fn a_cube_keeps_its_edges_and_a_sphere_is_smooth() {
-        let cube = shapes::cube();
+        let cube = test_shapes::cube();
         for (t, corners) in smooth(&cube).corners.iter().enumerate() {
             let [a, b, c] = cube.corners(t);
             let face = unit(cross(sub(b, a), sub(c, a)));
@@ -84,7 +85,7 @@ mod tests {
                 assert!(dot(face, n.map(f64::from)) > 0.999);
             }
         }
-        let sphere = shapes::sphere(12, 24);
+        let sphere = test_shapes::sphere(12, 24);
         for (n, p) in smooth(&sphere).vertices.iter().zip(sphere.vertices()) {
             assert!(dot(*n, *p) > 0.98);
         }
@@ -92,7 +93,7 @@ mod tests {
 
     #[test]
     fn inside_out_makes_no_difference() {
-        let sphere = shapes::sphere(8, 16);
+        let sphere = test_shapes::sphere(8, 16);
         let flipped = sphere.triangles().iter().map(|&[a, b, c]| [a, c, b]).collect();
         let flipped = TriangleMesh::new(sphere.vertices().to_vec(), flipped).unwrap();
         for (a, b) in smooth(&sphere).vertices.iter().zip(&smooth(&flipped).vertices) {

@@ -1,7 +1,9 @@
+//! Ambient occlusion by depth maps from many directions.
+
+use mser3d_shape::vector::{Vec3, add, cross, dot, scale, sub, unit};
 use rayon::prelude::*;
 
 use crate::raster::{Gradient, ScreenPoint, scan};
-use crate::vector::{Vec3, add, cross, dot, scale, sub, unit};
 
 /// Light directions, spread evenly over the sphere.
 const DIRECTIONS: u32 = 128;
@@ -111,11 +113,11 @@ impl DepthMap {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{normals, shapes};
+    use crate::{normals, test_shapes};
 
     #[test]
     fn a_convex_body_sees_the_whole_sky() {
-        let sphere = shapes::sphere(24, 48);
+        let sphere = test_shapes::sphere(24, 48);
         let normals = normals::smooth(&sphere).vertices;
         let open = openness(sphere.vertices(), sphere.triangles(), &normals);
         assert!(open.iter().all(|&o| o > 0.97), "{open:?}");
@@ -123,7 +125,7 @@ mod tests {
 
     #[test]
     fn the_inside_of_a_sphere_sees_nothing() {
-        let sphere = shapes::sphere(24, 48);
+        let sphere = test_shapes::sphere(24, 48);
         let inward: Vec<Vec3> = normals::smooth(&sphere).vertices.iter().map(|n| scale(*n, -1.0)).collect();
         let open = openness(sphere.vertices(), sphere.triangles(), &inward);
         assert!(open.iter().all(|&o| o < 0.1), "{open:?}");
@@ -131,7 +133,7 @@ mod tests {
 
     #[test]
     fn the_number_of_threads_changes_nothing() {
-        let sphere = shapes::sphere(10, 20);
+        let sphere = test_shapes::sphere(10, 20);
         let normals = normals::smooth(&sphere).vertices;
         let with = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

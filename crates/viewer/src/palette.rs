@@ -1,11 +1,13 @@
+//! Colours of regions and of scalar fields.
+
 use mser3d_shape::Graph;
 
 use crate::Rgb;
 
-/// Ten colours that stay apart for colour-blind eyes and under shading.
+/// Ten colours that colour-blind viewers can tell apart, also under shading.
 ///
-/// The first seven are those of Okabe and Ito (2008); the other three were added where they are
-/// farthest from all before. Any two are at least 0.07 apart by [`Rgb::distance`].
+/// The first seven are those of Okabe and Ito (2008); each of the other three was chosen as far as possible
+/// from all before it. Any two are at least 0.07 apart by [`Rgb::distance`].
 pub const PALETTE: [Rgb; 10] = [
     Rgb::hex(0x56B4E9),
     Rgb::hex(0xE69F00),

@@ -1,7 +1,11 @@
-use crate::camera::{Up, View};
-use crate::draw::{Placement, draw};
-use crate::lettering::{text_width, write_text};
-use crate::vector::{dot, sub};
+//! Sheets of panels: sizes, a common scale, captions.
+
+use mser3d_shape::InvalidParameter;
+use mser3d_shape::vector::{dot, sub};
+
+use crate::camera::{NamedView, Up, View};
+use crate::draw_panel::{Placement, draw_panel};
+use crate::stroke_font::{text_width, write_text};
 use crate::{Image, Model, Rgb, ViewerError};
 
 /// How pictures are drawn.
@@ -47,21 +51,21 @@ impl RenderOptions {
     /// Checks that every option is in its range.
     ///
     /// # Errors
-    /// [`ViewerError::BadOption`] names the first that is not.
+    /// [`ViewerError::InvalidParameter`] names the first that is not.
     pub fn validate(&self) -> Result<(), ViewerError> {
-        let check = |good: bool, option, value: String, allowed| {
-            if good { Ok(()) } else { Err(ViewerError::BadOption { option, value, allowed }) }
+        let unless = |holds: bool, name, value: &dyn std::fmt::Display, expected: &str| {
+            InvalidParameter::unless(holds, name, value, expected)
         };
-        let sizes = 16..=16384;
-        check(sizes.contains(&self.height), "height", self.height.to_string(), "16 to 16384 pixels")?;
-        let s = self.supersampling;
-        check((1..=8).contains(&s), "supersampling", s.to_string(), "1 to 8 samples")?;
-        let share = 0.0..=1.0;
-        check((0.0..=0.4).contains(&self.margin), "margin", self.margin.to_string(), "0 to 0.4")?;
-        check(share.contains(&self.occlusion), "occlusion", self.occlusion.to_string(), "0 to 1")?;
-        check(share.contains(&self.lines), "lines", self.lines.to_string(), "0 to 1")?;
+        let Self { height, supersampling, margin, occlusion, lines, .. } = *self;
         let caption = self.caption_size.unwrap_or(12);
-        check((6..=512).contains(&caption), "caption size", caption.to_string(), "6 to 512 pixels")
+        let share = 0.0..=1.0;
+        unless((16..=16384).contains(&height), "height", &height, "16 to 16384 pixels")?;
+        unless((1..=8).contains(&supersampling), "supersampling", &supersampling, "1 to 8 samples")?;
+        unless((0.0..=0.4).contains(&margin), "margin", &margin, "0 to 0.4")?;
+        unless(share.contains(&occlusion), "occlusion", &occlusion, "0 to 1")?;
+        unless(share.contains(&lines), "lines", &lines, "0 to 1")?;
+        unless((6..=512).contains(&caption), "caption_size", &caption, "6 to 512 pixels")?;
+        Ok(())
     }
 
     fn letters(&self) -> usize {
@@ -83,13 +87,9 @@ pub struct Panel<'a> {
 impl<'a> Panel<'a> {
     /// A model from the front, a three-quarter view, the side and the back.
     pub fn around(model: &'a Model) -> Vec<Self> {
-        let views = [
-            (View::FRONT, "front"),
-            (View::THREE_QUARTER, "three-quarter"),
-            (View::SIDE, "side"),
-            (View::BACK, "back"),
-        ];
-        views.into_iter().map(|(view, caption)| Self { model, view, caption: caption.to_owned() }).collect()
+        [NamedView::Front, NamedView::ThreeQuarter, NamedView::Side, NamedView::Back]
+            .map(|view| Self { model, view: view.into(), caption: view.to_string() })
+            .into()
     }
 }
 
@@ -99,7 +99,7 @@ impl<'a> Panel<'a> {
 /// Memory does not grow with the number of samples: the rows of the picture are drawn in bands.
 ///
 /// # Errors
-/// [`ViewerError::BadOption`], [`ViewerError::Empty`] without panels, [`ViewerError::NotFinite`] for a
+/// [`ViewerError::InvalidParameter`], [`ViewerError::Empty`] without panels, [`ViewerError::NotFinite`] for a
 /// view that is not, [`ViewerError::TooLarge`] beyond 2^28 pixels.
 pub fn render(panels: &[Panel<'_>], options: &RenderOptions) -> Result<Image, ViewerError> {
     options.validate()?;
@@ -149,7 +149,7 @@ pub fn render(panels: &[Panel<'_>], options: &RenderOptions) -> Result<Image, Vi
             // Depth jumps are judged against the shape, not the sheet.
             depth_unit: unit,
         };
-        let picture = draw(panel.model, &placement, options)?;
+        let picture = draw_panel(panel.model, &placement, options)?;
         let (left, top) = (widths[..column].iter().sum::<usize>(), row * (height + footer));
         sheet.paste(&picture, left, top);
         let text_left = left as f64 + (width as f64 - text_width(&panel.caption, letters as f64)) / 2.0;

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use mser3d_shape::vector::{Vec3, add, cross, dot, scale, sub, unit};
 use mser3d_shape::{TriangleMesh, VoxelGrid};
 
 use crate::ViewerError;
 use crate::model::Cut;
-use crate::vector::{Vec3, add, cross, dot, scale, sub, unit};
 
 /// A flat convex polygon that belongs to a voxel.
 pub(crate) struct Face<Corners = Vec<Vec3>> {
@@ -184,11 +184,11 @@ pub(crate) fn is_closed(mesh: &TriangleMesh) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shapes;
+    use crate::test_shapes;
 
     #[test]
     fn a_sphere_is_closed_until_a_triangle_is_gone_or_flipped() {
-        let sphere = shapes::sphere(6, 8);
+        let sphere = test_shapes::sphere(6, 8);
         assert!(is_closed(&sphere));
         let mut triangles = sphere.triangles().to_vec();
         triangles[3].swap(0, 1);
@@ -199,7 +199,7 @@ mod tests {
 
     #[test]
     fn the_filling_takes_the_prevailing_voxel() {
-        let grid = shapes::ball(10);
+        let grid = test_shapes::ball(10);
         let paint = grid.voxels().map(|v| u32::from(v[0] >= 5)).collect();
         let filling = Filling { grid, paint };
         assert_eq!(filling.paint_at([-0.01, 0.2, 0.1]), 0);
@@ -218,7 +218,7 @@ mod tests {
     #[test]
     fn exposed_faces_close_the_solid() {
         // Divergence theorem over the faces: their flux of p / 3 is the volume.
-        let grid = shapes::ball(9);
+        let grid = test_shapes::ball(9);
         let faces = exposed_faces(&grid, None);
         let flux: f64 = faces.iter().map(|f| area(f) * dot(f.normal, f.corners[0]) / 3.0).sum();
         assert!((flux - grid.volume()).abs() < 1e-12);
@@ -226,7 +226,7 @@ mod tests {
 
     #[test]
     fn cutting_drops_the_voxels_beyond() {
-        let grid = shapes::ball(8);
+        let grid = test_shapes::ball(8);
         let cut = Cut { normal: [0., 0., 1.], offset: 0.0 };
         let faces = exposed_faces(&grid, Some(&cut));
         assert!(faces.iter().flat_map(|f| &f.corners).all(|p| p[2] <= 1e-12));
@@ -236,7 +236,7 @@ mod tests {
 
     #[test]
     fn the_cut_face_has_the_area_of_the_cross_section() {
-        let grid = shapes::ball(40);
+        let grid = test_shapes::ball(40);
         for normal in [[0., 0., 1.], [1., 2., -0.5], [-3., 0., 0.]] {
             let total: f64 = cut_face(&grid, &Cut { normal, offset: 0.013 }).iter().map(area).sum();
             assert!((total - std::f64::consts::PI).abs() < 0.05, "{normal:?} {total}");

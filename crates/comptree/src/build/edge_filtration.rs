@@ -204,8 +204,8 @@ impl<E: Edges> Filtration for EdgeFiltration<E> {
         self.lowest.top
     }
 
-    /// Along lowest edges levels never rise; two vertices whose lowest edge is the same are a minimum,
-    /// of which the smaller stands for both.
+    /// Along lowest edges levels never rise. Two vertices with the same lowest edge are a minimum, and the
+    /// smaller one represents both.
     fn descend(&self, range: Range<usize>, mut f: impl FnMut(u32, u32)) {
         let to = &self.lowest.to;
         for v in range.start as u32..range.end as u32 {

@@ -16,8 +16,9 @@ pub(super) struct Branch {
 
 /// Visits each branch whose top has at least the volume `smallest`.
 ///
-/// A branch starts at a real merge (two children of at least `smallest`), or where following the
-/// largest child leads below half of `smallest` or to several equal ones.
+/// A branch is followed down from its top to the largest child. It starts at a real merge (two children of
+/// at least `smallest`), where the largest child is below half of `smallest`, or where several children
+/// are equally large.
 pub(super) fn for_each(levels: &Levels<'_>, smallest: f64, mut visit: impl FnMut(&Branch)) {
     let tree = levels.tree;
     let mut tops: Vec<u32> = tree.roots().filter(|&root| tree.volume(root) >= smallest).collect();
@@ -31,7 +32,7 @@ pub(super) fn for_each(levels: &Levels<'_>, smallest: f64, mut visit: impl FnMut
             node = fork.main.filter(|_| !fork.cut).filter(|&c| tree.volume(c) >= smallest / 2.0);
         }
         branch.nodes.reverse();
-        // Altitudes that differ can have one level at the ends of the scale: the largest node counts.
+        // Different altitudes can have the same level at the ends of the scale: the largest node counts.
         branch.levels.clear();
         let mut kept = 0;
         for at in 0..branch.nodes.len() {

@@ -129,7 +129,7 @@ fn a_speck_that_joins_does_not_end_a_branch_but_a_real_part_does() {
 }
 
 #[test]
-fn of_a_plateau_the_largest_node_stands() {
+fn a_plateau_is_represented_by_its_largest_node() {
     // Each level doubles the component: 1, 2, 4, ... 64 vertices at levels 0, 1, 2, ... 6.
     let heights: Vec<f64> = (0..64u32).map(|i| f64::from(u32::BITS - i.leading_zeros())).collect();
     let tree = tree(&heights);
@@ -299,7 +299,7 @@ fn pooled_regions_hold_no_duplicates_and_know_their_origin() {
 }
 
 #[test]
-fn of_near_duplicates_the_part_before_the_sharpest_merge_stands() {
+fn among_near_duplicates_the_one_with_the_sharpest_merge_is_kept() {
     // Two legs meet at 9. In the first tree 22 vertices are a leg, in the second 20, in the third 21 that
     // nothing ends: they are only stable.
     let leg = |n: usize| {

@@ -4,7 +4,7 @@
 //! mode takes part only until it has decayed: a third of all pairs. Small tiles of the result are kept in
 //! registers; written with explicit vectors, since the plain loops came out three times slower.
 
-use crate::spectrum;
+use crate::spectral_sums;
 use pulp::{Arch, Simd, WithSimd};
 use std::f64::consts::LN_2;
 
@@ -31,7 +31,7 @@ impl SlopeTable {
     pub(super) fn new(eigenvalues: &[f64], times: &[f64]) -> Self {
         let slowest = eigenvalues.first().copied().unwrap_or(0.0);
         let tile = |times: &[f64]| -> Exponentials {
-            let live = &eigenvalues[..spectrum::live_modes(eigenvalues, times[0])];
+            let live = &eigenvalues[..spectral_sums::live_modes(eigenvalues, times[0])];
             let entry = |lambda: &f64| {
                 let mut entry = [[0.0; LANES]; 2];
                 for (lane, t) in times.iter().enumerate() {
@@ -46,7 +46,8 @@ impl SlopeTable {
         Self { tiles, samples: times.len(), arch: Arch::new() }
     }
 
-    /// Writes the slopes of up to [`BLOCK`] vertices, a row each; `phi` gives the values of all modes at each.
+    /// Writes the slopes of up to [`BLOCK`] vertices, a row each; `phi` gives the values of all modes at
+    /// each.
     pub(super) fn slopes<'a>(&self, phi: impl ExactSizeIterator<Item = &'a [f64]>, rows: &mut [f64]) {
         let modes = self.tiles.first().map_or(0, Vec::len);
         let count = phi.len();

@@ -1,4 +1,6 @@
-use mser3d_shape::{TriangleMesh, VoxelGrid};
+//! What a page shows, as its caller gives it, and whether its parts fit each other.
+
+use mser3d_shape::{InvalidParameter, TriangleMesh, VoxelGrid};
 
 use crate::model::fits;
 use crate::{Rgb, Up, ViewerError};
@@ -12,7 +14,7 @@ pub struct PageData<'a> {
     pub shapes: Vec<PageShape<'a>>,
     /// Regions of the first shape and what they are matched with in the second. Give matched regions
     /// equal colours ([`linked_colours`](crate::linked_colours)).
-    pub matches: Vec<PageMatch>,
+    pub matches: Vec<RegionPair>,
     /// The axis that points up.
     pub up: Up,
 }
@@ -74,9 +76,9 @@ pub struct PageTree<'a> {
     pub entry: &'a [u32],
 }
 
-/// A region of the first shape matched with one of the second.
+/// A region of the first shape of a page and the region of the second that it is matched with.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PageMatch {
+pub struct RegionPair {
     /// Id in the first shape.
     pub first: u32,
     /// Id in the second shape.
@@ -89,12 +91,8 @@ impl PageData<'_> {
     /// Checks that all numbers fit the shapes they refer to.
     pub(crate) fn check(&self) -> Result<(), ViewerError> {
         if !(1..=2).contains(&self.shapes.len()) {
-            let value = self.shapes.len().to_string();
-            return Err(ViewerError::BadOption {
-                option: "number of shapes on a page",
-                value,
-                allowed: "1 or 2",
-            });
+            let name = "number of shapes on a page";
+            return Err(InvalidParameter::new(name, self.shapes.len(), "1 or 2").into());
         }
         self.shapes.iter().try_for_each(PageShape::check)?;
         let count = |shape: usize| self.shapes.get(shape).map_or(0, |s| s.regions.len());
@@ -141,11 +139,9 @@ impl PageTree<'_> {
         fits("entry nodes of a tree", self.entry.len(), elements)?;
         for (number, &parent) in self.parents.iter().enumerate() {
             if parent != u32::MAX && (parent as usize <= number || parent as usize >= nodes) {
-                return Err(ViewerError::BadOption {
-                    option: "parent of a tree's node",
-                    value: format!("{parent} for node {number}"),
-                    allowed: "a greater number of a node, or u32::MAX for a root",
-                });
+                let (name, value) = ("parent of a tree's node", format!("{parent} for node {number}"));
+                let expected = "a greater number of a node, or u32::MAX for a root";
+                return Err(InvalidParameter::new(name, value, expected).into());
             }
         }
         if let Some(number) = self.altitudes.iter().position(|a| a.is_nan()) {

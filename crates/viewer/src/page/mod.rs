@@ -5,14 +5,15 @@ mod data;
 mod pack;
 
 use base64::Engine;
+use mser3d_shape::{Choice, innermost_regions};
 use serde_json::{Value, json};
 
-pub use data::{PageData, PageMatch, PageRegion, PageShape, PageTree};
+pub use data::{PageData, PageRegion, PageShape, PageTree, RegionPair};
 
 use crate::page::branches::Branches;
 use crate::page::pack::Pack;
 use crate::section::is_closed;
-use crate::{NO_REGION, PALETTE, Up, ViewerError, normals, occlusion};
+use crate::{NO_REGION, PALETTE, ViewerError, normals, occlusion};
 
 const TEMPLATE: &str = include_str!("../../page/page.html");
 const STYLE: &str = include_str!("../../page/page.css");
@@ -45,7 +46,7 @@ const SCRIPTS: [&str; 13] = [
 /// and tree: 2 MB for 13,000 vertices, 45,000 voxels and two trees. The same data give the same bytes.
 ///
 /// # Errors
-/// [`ViewerError::BadOption`], [`ViewerError::OutOfRange`] or [`ViewerError::SizeMismatch`] for data
+/// [`ViewerError::InvalidParameter`], [`ViewerError::OutOfRange`] or [`ViewerError::SizeMismatch`] for data
 /// that do not fit each other, [`ViewerError::Empty`] for a mesh without triangles.
 ///
 /// ```
@@ -86,7 +87,7 @@ pub fn page(data: &PageData<'_>) -> Result<String, ViewerError> {
         data.matches.iter().map(|m| json!([m.first, m.second, number(m.distance)])).collect();
     let head = json!({
         "title": data.title,
-        "up": match data.up { Up::Y => "y", Up::Z => "z" },
+        "up": data.up.name(),
         "none": NO_REGION.0,
         "palette": PALETTE.map(|c| c.0),
         "shapes": shapes,
@@ -220,13 +221,8 @@ fn innermost(
 ) -> impl Iterator<Item = i16> {
     let mut order: Vec<usize> = (0..regions.len().min(i16::MAX as usize)).collect();
     order.sort_by(|&p, &q| regions[q].volume.total_cmp(&regions[p].volume));
-    let mut labels = vec![-1; count];
-    for r in order {
-        for &v in members(&regions[r]) {
-            labels[v as usize] = r as i16;
-        }
-    }
-    labels.into_iter()
+    let innermost = innermost_regions(count, order.iter().map(|&r| members(&regions[r])));
+    innermost.into_iter().map(move |place| place.map_or(-1, |place| order[place as usize] as i16))
 }
 
 /// JSON has no infinity: a number that is not finite is null.

@@ -1,3 +1,4 @@
+//! Descriptors as a table, one a row.
 use crate::DescriptorError;
 
 /// Descriptors of equal length, one a row: of vertices, voxels or regions.
@@ -11,7 +12,7 @@ impl Descriptors {
     /// A table of rows of `width` values, row by row.
     ///
     /// # Errors
-    /// [`DescriptorError::BadParameter`] for a width of zero, [`DescriptorError::SizeMismatch`] when the
+    /// [`DescriptorError::InvalidParameter`] for a width of zero, [`DescriptorError::SizeMismatch`] when the
     /// last row is cut short, [`DescriptorError::NotFinite`] for NaN or infinite values.
     pub fn new(width: usize, values: Vec<f64>) -> Result<Self, DescriptorError> {
         if width == 0 {

@@ -2,7 +2,7 @@
 
 use base64::Engine;
 use mser3d_shape::{BitGrid, Frame, TriangleMesh, VoxelGrid};
-use mser3d_viewer::{PALETTE, PageData, PageMatch, PageRegion, PageShape, PageTree, Up, ViewerError, page};
+use mser3d_viewer::{PALETTE, PageData, PageRegion, PageShape, PageTree, RegionPair, Up, ViewerError, page};
 use serde_json::Value;
 
 fn tetrahedron() -> TriangleMesh {
@@ -117,7 +117,7 @@ fn data_that_do_not_fit_are_named() {
     wrong.regions[0].node = Some([1, 0]);
     assert_eq!(error(vec![wrong]), "region 0 names tree 1, but there are only 1 (numbered from 0)");
 
-    let matches = vec![PageMatch { first: 0, second: 2, distance: 0.1 }];
+    let matches = vec![RegionPair { first: 0, second: 2, distance: 0.1 }];
     let pair = PageData { matches, ..data(vec![good(), good()]) };
     assert!(matches!(page(&pair), Err(ViewerError::OutOfRange { what: "match", index: 2, .. })));
 }

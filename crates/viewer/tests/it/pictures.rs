@@ -173,14 +173,14 @@ fn mistakes_are_named() {
     assert!(matches!(Model::from_mesh(&empty, Colours::Uniform(NO_REGION)), Err(ViewerError::Empty { .. })));
     let model = Model::from_mesh(&mesh, Colours::Uniform(NO_REGION)).unwrap();
     let wrong = RenderOptions { supersampling: 0, ..Default::default() };
-    assert!(matches!(render(&Panel::around(&model), &wrong), Err(ViewerError::BadOption { .. })));
+    assert!(matches!(render(&Panel::around(&model), &wrong), Err(ViewerError::InvalidParameter(_))));
     assert!(matches!(render(&[], &Default::default()), Err(ViewerError::Empty { .. })));
     let nowhere = Cut { normal: [0.0; 3], offset: 0.0 };
     let grid = torus_voxels();
     let colours = vec![NO_REGION; grid.len()];
     assert!(matches!(
         Model::from_voxels(&grid, &colours, Some(&nowhere)),
-        Err(ViewerError::BadOption { .. })
+        Err(ViewerError::InvalidParameter(_))
     ));
 }
 

@@ -1,4 +1,4 @@
-//! What the sums over a spectrum share: which modes count, and sums in a fixed order.
+//! Sums over a spectrum, `sum_i w_i phi_i^2`: which modes count, and a fixed order.
 
 use crate::DescriptorError;
 use mser3d_shape::Eigenbasis;

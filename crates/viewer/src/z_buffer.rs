@@ -1,10 +1,11 @@
 //! Which surface each sample of a picture sees: the z-buffer.
 
+use mser3d_shape::vector::{Vec3, add, dot, scale, sub};
+
 use crate::Model;
 use crate::camera::Camera;
 use crate::model::Section;
 use crate::raster::{Gradient, ScreenPoint, UNIT, doubled_area, scan};
-use crate::vector::{Vec3, add, dot, scale, sub};
 
 /// No surface.
 pub(crate) const NOTHING: u32 = u32::MAX;

@@ -1,11 +1,11 @@
 //! One panel: what each sample sees is lit, then samples are averaged to pixels.
 
+use mser3d_shape::vector::Vec3;
 use rayon::prelude::*;
 
 use crate::camera::Camera;
-use crate::samples::{FILLING, NOTHING, Projection, Samples};
-use crate::shade::{Surface, light};
-use crate::vector::Vec3;
+use crate::lighting::{Surface, light};
+use crate::z_buffer::{FILLING, NOTHING, Projection, Samples};
 use crate::{Image, Model, RenderOptions, Rgb, ViewerError};
 
 /// How a model is placed in its panel.
@@ -26,7 +26,11 @@ pub(crate) struct Placement {
 const BAND: usize = 16;
 
 /// Draws the model on the background.
-pub(crate) fn draw(model: &Model, place: &Placement, options: &RenderOptions) -> Result<Image, ViewerError> {
+pub(crate) fn draw_panel(
+    model: &Model,
+    place: &Placement,
+    options: &RenderOptions,
+) -> Result<Image, ViewerError> {
     let [width, height] = place.size;
     let mut image = Image::new(width, height, options.background)?;
     let n = options.supersampling;

@@ -1,8 +1,6 @@
 //! Facts of heat diffusion, on the closed-form spectrum of a box.
 
-mod common;
-
-use common::{box_basis, sheet_basis, truncated};
+use super::common::{box_basis, sheet_basis, truncated, with_threads};
 use mser3d_descriptors::*;
 use mser3d_shape::{Domain, Eigenbasis};
 
@@ -184,7 +182,7 @@ fn one_and_two_threads_give_the_same_bits() {
             commute_time(&basis).unwrap(),
         )
     };
-    assert_eq!(common::with_threads(1, run), common::with_threads(2, run));
+    assert_eq!(with_threads(1, run), with_threads(2, run));
 }
 
 #[test]

@@ -1,8 +1,6 @@
 //! Facts of the heat kernel signatures and the descriptors of regions.
 
-mod common;
-
-use common::{box_basis, sheet_basis, truncated};
+use super::common::{box_basis, sheet_basis, truncated, with_threads};
 use mser3d_descriptors::*;
 use mser3d_shape::Eigenbasis;
 use std::f64::consts::{LN_2, PI};
@@ -169,7 +167,7 @@ fn one_and_two_threads_give_the_same_bits() {
         region_descriptors(&regions, basis.mass(), |v| si_hks(&basis, &SiHksParameters::default(), Some(v)))
             .unwrap()
     };
-    assert_eq!(common::with_threads(1, run), common::with_threads(2, run));
+    assert_eq!(with_threads(1, run), with_threads(2, run));
 }
 
 #[test]

@@ -1,8 +1,16 @@
+//! Times of heat diffusion, in units of the shape or of the file.
+use std::fmt;
+
 use crate::DescriptorError;
 use mser3d_shape::Eigenbasis;
 
 /// A time of heat diffusion. Time has units of length^2.
+///
+/// It is shown as `0.5` (relative) or `t = 2048` (absolute); in JSON it is `{"relative": 0.5}` or
+/// `{"absolute": 2048.0}`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum TimeScale {
     /// In units of the shape: `t = t_rel V^(2/3)` for a volume V, `t = t_rel A` for a surface of area A.
     ///
@@ -17,7 +25,7 @@ impl TimeScale {
     /// The time in length^2 on this shape.
     ///
     /// # Errors
-    /// [`DescriptorError::BadParameter`] unless the time is positive and finite.
+    /// [`DescriptorError::InvalidParameter`] unless the time is positive and finite.
     pub fn on(self, basis: &Eigenbasis) -> Result<f64, DescriptorError> {
         self.with_unit(basis.unit_time())
     }
@@ -27,7 +35,7 @@ impl TimeScale {
     /// Take the unit of one shape for all poses of it: then a pose that loses a part keeps its scales.
     ///
     /// # Errors
-    /// [`DescriptorError::BadParameter`] unless the time is positive and finite.
+    /// [`DescriptorError::InvalidParameter`] unless the time is positive and finite.
     pub fn with_unit(self, unit_time: f64) -> Result<f64, DescriptorError> {
         let (t, value) = match self {
             Self::Relative(t) => (t * unit_time, t),
@@ -36,11 +44,20 @@ impl TimeScale {
         if t.is_finite() && t > 0.0 {
             return Ok(t);
         }
-        let requirement = if value.is_finite() && value > 0.0 {
+        let expected = if value.is_finite() && value > 0.0 {
             "finite and positive in length^2 too: the shape's volume or area is zero or too large"
         } else {
             "finite and positive"
         };
-        Err(DescriptorError::parameter("the time scale", value, requirement))
+        Err(DescriptorError::parameter("the time scale", value, expected))
+    }
+}
+
+impl fmt::Display for TimeScale {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Relative(t) => write!(f, "{t}"),
+            Self::Absolute(t) => write!(f, "t = {t}"),
+        }
     }
 }

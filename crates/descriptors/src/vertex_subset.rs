@@ -1,13 +1,14 @@
+//! Descriptors of all vertices, or of a list of them.
 use crate::DescriptorError;
 
-/// Which vertices of n descriptors are computed for: all, or a list.
+/// Which of n vertices descriptors are computed for: all, or a list.
 #[derive(Clone, Copy)]
-pub(crate) struct Selection<'a> {
+pub(crate) struct VertexSubset<'a> {
     list: Option<&'a [u32]>,
     n: usize,
 }
 
-impl<'a> Selection<'a> {
+impl<'a> VertexSubset<'a> {
     pub(crate) fn new(n: usize, list: Option<&'a [u32]>) -> Result<Self, DescriptorError> {
         if let Some(list) = list
             && let Some(number) = list.iter().position(|&v| v as usize >= n)

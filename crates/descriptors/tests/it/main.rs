@@ -1,0 +1,13 @@
+//! Tests of weights, signatures and matches, in one binary.
+mod common;
+#[path = "../../examples/rod.rs"]
+mod example;
+mod heat;
+mod json;
+mod matching;
+mod signatures;
+
+#[test]
+fn the_example_runs() {
+    example::main().unwrap();
+}
