@@ -23,8 +23,8 @@
 //! * A file may hold anything. Damaged ones end in a [`MeshIoError`] that names the file and the line,
 //!   never in a panic; memory is bounded by the size of the file, not by the counts it declares.
 //!   (A glTF scene may show one mesh at many nodes: memory is bounded by what is shown.)
-//! * Files are written to the side and renamed ([`write_atomically`](mser3d_fileio::write_atomically)): nobody sees half of one. The
-//!   same data make the same bytes.
+//! * Files are written to the side and renamed ([`write_atomically`](mser3d_fileio::write_atomically)):
+//!   nobody sees half of one. The same data make the same bytes.
 //!
 //! # Limits
 //! Compressed glTF (Draco, meshopt), binary OFF, triangle strips in PLY and free-form surfaces in OBJ

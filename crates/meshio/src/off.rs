@@ -5,7 +5,8 @@ use crate::polygon::Faces;
 use crate::read::{Parsed, note};
 use crate::text::{Line, Lines, Words, parse as number, show};
 
-/// Whether a word begins an OFF file: `OFF`, perhaps after letters that say what vertices carry besides a position.
+/// Whether a word begins an OFF file: `OFF`, perhaps after letters that say what vertices carry besides a
+/// position.
 pub(crate) fn is_header(word: &[u8]) -> bool {
     keyword(word).is_some()
 }

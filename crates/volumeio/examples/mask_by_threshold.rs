@@ -1,4 +1,5 @@
-//! Grey values to a mask: writes a scan, reads it back, keeps what is bright, and saves the mask with its place.
+//! Grey values to a mask: writes a scan, reads it back, keeps what is bright, and saves the mask with its
+//! place.
 
 use mser3d_shape::BitGrid;
 use mser3d_volumeio::{Placement, Volume, read_volume, write_nifti};

@@ -70,8 +70,8 @@ impl Volume {
     /// `((k * dims[1] + j) * dims[0] + i) * channels` on. An image is a volume of one layer.
     ///
     /// # Errors
-    /// [`VolumeIoError::InvalidVolume`] for another count of numbers, no voxels or channels, or a spacing that
-    /// is not positive and finite.
+    /// [`VolumeIoError::InvalidVolume`] for another count of numbers, no voxels or channels, or a spacing
+    /// that is not positive and finite.
     pub fn new(
         dims: [usize; 3],
         channels: usize,

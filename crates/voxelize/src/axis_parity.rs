@@ -6,7 +6,8 @@ use mser3d_shape::{BitGrid, ShapeError};
 use rayon::prelude::*;
 
 impl PlacedSurface<'_> {
-    /// For each voxel centre, whether the line to it along an axis crosses the surface an odd number of times.
+    /// For each voxel centre, whether the line to it along an axis crosses the surface an odd number of
+    /// times.
     pub fn parity_along(&self, axis: usize) -> Result<BitGrid, ShapeError> {
         let mut bits = BitGrid::empty(self.lattice.dims)?;
         let sweep = self.sweep(axis);

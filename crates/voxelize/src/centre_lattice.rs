@@ -19,7 +19,8 @@ pub(crate) struct CentreLattice {
 pub(crate) struct PlacedVertex {
     /// In grid units, up to the lattice's tolerance.
     pub units: [f64; 3],
-    /// The first centre at or beyond the vertex along each axis, exact; the number of centres if there is none.
+    /// The first centre at or beyond the vertex along each axis, exact; the number of centres if there is
+    /// none.
     pub first: [u32; 3],
 }
 

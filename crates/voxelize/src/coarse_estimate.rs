@@ -25,8 +25,8 @@ pub(crate) struct CoarseEstimate {
     pub overlap: f64,
 }
 
-/// Triangles that bound no solid. Winding numbers of a soup take all triangles for each voxel: hours on a fine
-/// grid, for no answer.
+/// Triangles that bound no solid. Winding numbers of a soup take all triangles for each voxel: hours on a
+/// fine grid, for no answer.
 pub(crate) struct Soup;
 
 impl CoarseEstimate {

@@ -2,8 +2,8 @@
 
 use mser3d_shape::BitGrid;
 
-/// The voxels of a box as one byte each, 1 where they are set and 0 elsewhere: x runs fastest, then y, then z,
-/// so that voxel (i, j, k) of a box of nx x ny x nz is entry `(k * ny + j) * nx + i`.
+/// The voxels of a box as one byte each, 1 where they are set and 0 elsewhere: x runs fastest, then y, then
+/// z, so that voxel (i, j, k) of a box of nx x ny x nz is entry `(k * ny + j) * nx + i`.
 ///
 /// Eight times the memory of the bits.
 ///
@@ -27,7 +27,7 @@ pub fn dense_mask(bits: &BitGrid) -> Vec<u8> {
 
 /// The voxels of a box as an array indexed by `[x, y, z]`. Needs the feature `ndarray`.
 ///
-/// In the standard layout of ndarray and NumPy the last index runs fastest, here z: the other order than that of
+/// In the standard layout of ndarray and NumPy the last index runs fastest, here z: not the order of
 /// [`dense_mask`].
 ///
 /// ```

@@ -62,13 +62,15 @@ pub struct Diagnosis {
     pub bounding_box: Option<BoundingBox>,
     /// V - E + F over referenced vertices.
     pub euler_characteristic: i64,
-    /// Sum of the genera of the components: handles. `None` where it is not defined (not manifold or not closed).
+    /// Sum of the genera of the components: handles. `None` where it is not defined (not manifold or not
+    /// closed).
     pub genus: Option<i64>,
-    /// Part of the volume that is covered more than once, found on a coarse grid; `None` where nothing is enclosed.
+    /// Fraction of the volume that is covered more than once, found on a coarse grid; `None` where nothing
+    /// is enclosed.
     pub overlap_fraction: Option<f64>,
     /// The inside test that [`InsideTest::Auto`] stands for.
     pub inside: InsideTest,
-    /// Why.
+    /// Why that test suits the mesh.
     pub reason: Reason,
 }
 

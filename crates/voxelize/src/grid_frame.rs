@@ -53,8 +53,8 @@ pub(crate) fn frame(
     checked(around_within(surface, spacing, parameters.origin, limit)?, surface, limit)
 }
 
-/// The pitch at which about n voxels fill the volume: the mesh's own where it is closed, an estimate in scaled
-/// units otherwise. `Ok(None)` if nothing is enclosed.
+/// The pitch at which about n voxels fill the volume: the mesh's own where it is closed, an estimate in
+/// scaled units otherwise. `Ok(None)` if nothing is enclosed.
 fn counted_pitch(
     n: usize,
     mesh: &TriangleMesh,

@@ -29,10 +29,11 @@ pub(crate) const BLOCK: usize = 4;
 /// Voxels in a block.
 const VOLUME: usize = BLOCK * BLOCK * BLOCK;
 const UNMARKED: u32 = u32::MAX;
-/// Far finer than the evaluation's error; values reach +-8, beyond which they only need to be large.
+/// Far finer than the error of the evaluation. Values reach +-8; beyond that they only need to be large.
 const STEP: f64 = 1.0 / 4096.0;
 
-/// What an open shell adds to its integer winding number: less its caps, or all of a scattered shell's triangles.
+/// What an open shell adds to its integer winding number: less its caps, or all of a scattered shell's
+/// triangles.
 struct Part {
     shell: u32,
     sign: f64,

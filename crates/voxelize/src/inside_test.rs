@@ -36,7 +36,8 @@ pub enum Reason {
     /// The surface is closed and consistently oriented: winding numbers are integers, exact by
     /// counting crossings with their sign.
     Closed,
-    /// It is so after some triangles were turned over to agree with their neighbours.
+    /// The surface is closed, and consistently oriented after some triangles were turned over to agree with
+    /// their neighbours.
     ClosedAfterTurning {
         /// Triangles turned over.
         turned: usize,

@@ -2,7 +2,7 @@
 //!
 //! * [`diagnose`] says what a mesh is like: closed, oriented, overlapping, and what that means;
 //! * [`voxelize`] turns it into a [`VoxelGrid`](mser3d_shape::VoxelGrid): the voxels whose centre is
-//!   inside, and links between neighbours that the surface does not part;
+//!   inside, and links between neighbours, except where the surface runs between them;
 //! * [`inside`] gives the voxels alone, as bits, and [`dense_mask`] makes an array of them;
 //! * [`Bvh`] and [`WindingTree`] answer rays, nearest points and winding numbers on their own.
 //!
@@ -19,7 +19,8 @@
 //!   coordinates that are not within a factor of 1e-100 of the limits of `f64`. A centre exactly on
 //!   the surface counts as moved by an infinitesimal along +x, then +y, then +z.
 //! * The result does not depend on the number of threads.
-//! * Nothing moves a vertex: merging, turning over and closing change how a mesh is read, and are reported.
+//! * No vertex is moved. Merging vertices, turning triangles over and closing holes only change how a mesh is
+//!   read, and warnings report them.
 //! * Where bodies overlap, their surfaces are ordered along a line in floating point; closer than
 //!   1e-9 voxels they count as in contact.
 #![warn(missing_docs)]

@@ -100,7 +100,7 @@ impl<'m> MeshAnalysis<'m> {
         }
     }
 
-    /// A mesh taken as it is, its edges not looked at.
+    /// A mesh taken as it is, without a look at its edges.
     pub fn unexamined(mesh: &'m TriangleMesh) -> Self {
         Self {
             file: EdgeCounts::default(),
@@ -129,8 +129,8 @@ impl<'m> MeshAnalysis<'m> {
         Some(vertices as i64 - counts.total as i64 + triangles as i64)
     }
 
-    /// Which triangles form a shell of their own: joined across edges with two sides, and, where
-    /// more meet, joined with the others that are not balanced there without them.
+    /// Which triangles form a shell: those joined across edges with two sides. Where more than two sides
+    /// meet, components join that are not balanced at the edge without each other.
     pub fn shells(&self) -> DisjointSets {
         let mut sets = manifold_components(self.triangles.len(), &self.edges);
         if self.counts.non_manifold == 0 {

@@ -1,4 +1,4 @@
-//! Edges of a triangle mesh: what is closed, what is oriented, what hangs together.
+//! Edges of a triangle mesh: what is closed, what is oriented, what is connected.
 
 use mser3d_shape::DisjointSets;
 use std::collections::HashMap;
@@ -87,7 +87,7 @@ pub(crate) struct EdgeCounts {
     pub odd: usize,
     /// With two sides that run the same way.
     pub inconsistent: usize,
-    /// With as many sides one way as the other fails: winding numbers near them are fractions.
+    /// With more sides that run one way than the other: winding numbers near them are fractions.
     pub unbalanced: usize,
 }
 
@@ -120,7 +120,7 @@ pub(crate) fn weld(vertices: &[[f64; 3]]) -> Option<Vec<u32>> {
 }
 
 /// Triangles that repeat the vertices of an earlier one, in any order; two that are closed back to back
-/// on their own are not told.
+/// on their own are not counted.
 pub(crate) fn duplicates(triangles: &[[u32; 3]], edges: &Edges) -> Vec<usize> {
     let third = |t: usize, u: u32, v: u32| triangles[t].into_iter().find(|&w| w != u && w != v);
     let mut found = Vec::new();

@@ -22,22 +22,24 @@ pub enum Pitch {
 mser3d_shape::choice! {
     /// What to do where solids overlap.
     ///
-    /// A voxel is in the solid once or not at all, so that a grid stays a mask with links and each voxel has one number.
-    /// An immersed solid, in which a cell that two limbs cover stands twice, once in each (Li and Barbič, *Immersion of
-    /// self-intersecting solids and surfaces*, 2018), would keep the volume that parting loses. It is left out for two
-    /// reasons: which copies of neighbouring cells belong together is decided by following the surface's sheets around
-    /// each curve of self-intersection, and a surface that is not the image of a solid (an open one, one that is
-    /// turned over in part, most scans) has no consistent answer; and every reader of a grid would have to know that
-    /// a place is no longer a voxel.
+    /// A voxel is in the solid once or not at all, so that a grid stays a mask with links and each voxel
+    /// has one number. An immersed solid, in which a cell that two limbs cover stands twice, once in each
+    /// (Li and Barbič, *Immersion of self-intersecting solids and surfaces*, 2018), would keep the volume
+    /// that parting loses. It is not offered, for two reasons: which copies of neighbouring cells belong
+    /// together is decided by following the surface's sheets around each curve of self-intersection, and a
+    /// surface that is not the image of a solid (an open one, one that is turned over in part, most scans)
+    /// has no consistent answer; and every reader of a grid would have to know that a place is no longer a
+    /// voxel.
     pub enum Overlap("overlap policy") {
         /// A surface that overlaps itself is parted, different bodies are joined
         ///
-        /// One connected surface that overlaps itself is taken for limbs in contact, bodies that overlap for a union.
+        /// One connected surface that overlaps itself is taken for limbs in contact, bodies that overlap
+        /// for a union.
         #[default]
         Auto = "auto",
         /// Voxels that are covered twice are left out
         ///
-        /// Whoever covers them.
+        /// Whether one body covers them twice or two bodies once each.
         Part = "part",
         /// Voxels that are covered twice belong to the solid
         ///
@@ -57,13 +59,13 @@ pub struct VoxelizeParameters {
     pub inside: InsideTest,
     /// What to do where solids overlap. Default: [`Overlap::Auto`].
     pub overlap: Overlap,
-    /// Whether neighbours that the surface parts are not linked. Default: true.
+    /// Whether to cut the links between neighbours that the surface runs between. Default: true.
     pub cut_links: bool,
-    /// Neighbours that links are determined for. With [`Connectivity::TwentySix`] the diagonal
+    /// Neighbours for which links are determined: with [`Connectivity::TwentySix`] the diagonal
     /// ones too. Default: [`Connectivity::Six`].
     pub connectivity: Connectivity,
-    /// The first corner of the grid, which reaches from there to one voxel beyond the mesh, in the mesh's units.
-    /// Default: none, the lowest coordinates less one voxel. Ignored when `frame` is given.
+    /// The first corner of the grid, which reaches from there to one voxel beyond the mesh, in the mesh's
+    /// units. Default: none, the lowest coordinates less one voxel. Ignored when `frame` is given.
     pub origin: Option<[f64; 3]>,
     /// The grid to use, to share it with other shapes or tools. Default: none, a grid around the mesh.
     // Only for those who call this crate alone: whoever keeps a record of the parameters sets none.
@@ -73,8 +75,8 @@ pub struct VoxelizeParameters {
     pub morphology: Option<Morphology>,
     /// Whether to keep only the largest linked component. Default: true.
     pub largest_only: bool,
-    /// Voxels in the grid's box beyond which to refuse, before memory is taken: a grid takes half a
-    /// byte for each. Default: 2^32.
+    /// Boxes of more voxels than this are refused before memory is taken: a grid takes half a byte for
+    /// each voxel. Default: 2^32.
     // It refuses work, and never changes a solid.
     #[cfg_attr(feature = "serde", serde(skip, default = "default_max_box_voxels"))]
     pub max_box_voxels: u64,

@@ -39,13 +39,13 @@ impl<'a> PlacedSurface<'a> {
         !self.surface.shells[self.surface.shell_of(crossing.triangle())].scattered
     }
 
-    /// Whether a crossing is one with the surface, and not with the cap of a larger hole.
+    /// Whether a crossing separates neighbours: it is with the surface, not with the cap of a larger hole.
     #[inline]
     pub fn parts(&self, crossing: Crossing) -> bool {
         crossing.triangle() < self.surface.patched
     }
 
-    /// Whether any two crossings part neighbours: with one shell, or with shells that are not told apart.
+    /// Whether any two crossings separate neighbours: with one shell, or with shells that are not told apart.
     pub fn any_two_part(&self) -> bool {
         matches!(self.rule, InsideRule::Parity | InsideRule::Total { join: false })
     }

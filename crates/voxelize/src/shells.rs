@@ -21,9 +21,10 @@ pub(crate) struct Shell {
     pub scattered: bool,
 }
 
-/// Shells with holes that are looked at on their own; all others count as one.
+/// The most shells with holes that are treated one by one; all further ones count as a single shell.
 const MAX_OPEN_SHELLS: usize = 16;
-/// A shell is nearly closed when the vectors of its triangles' areas add up to less than this part of its area.
+/// A shell is nearly closed when the vectors of its triangles' areas add up to less than this part of its
+/// area.
 const NEARLY_CLOSED: f64 = 0.1;
 
 /// A hole with at most so many edges is small.
@@ -81,8 +82,8 @@ impl Surface<'_> {
         }
     }
 
-    /// New numbers of the shells: patches and fragments, whose winding number means little alone,
-    /// become one shell.
+    /// New numbers of the shells. Patches and fragments, whose own winding number means little, become
+    /// one shell.
     fn merge_fragments(&self, found: usize, of: &[u32], boundary: &[BoundarySide]) -> Vec<u32> {
         let mut open = vec![false; found];
         boundary.iter().for_each(|side| open[side.shell as usize] = true);

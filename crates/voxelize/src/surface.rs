@@ -7,8 +7,8 @@ use mser3d_shape::{BoundingBox, TriangleMesh};
 use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// Shells and caps. With its caps each shell that is not scattered is a closed chain, so its winding
-/// number is an integer, found by counting crossings; less the caps' own winding number, it is that of the mesh.
+/// Shells and caps. With its caps each shell that is not scattered is a closed chain, so its winding number
+/// is an integer, found by counting crossings; less the caps' own winding number, it is that of the mesh.
 pub(crate) struct Surface<'m> {
     pub vertices: Cow<'m, [Vec3]>,
     /// The triangles of the mesh, oriented, then the caps.

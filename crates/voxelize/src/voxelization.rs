@@ -18,15 +18,16 @@ use mser3d_shape::{BitGrid, Connectivity, Frame, TriangleMesh, VoxelGrid};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Voxelization {
-    /// The solid: voxels whose centre is inside, neighbours linked unless the surface parts them.
+    /// The solid: voxels whose centre is inside, linked to their neighbours unless the surface runs between
+    /// them.
     pub grid: VoxelGrid,
     /// The inside test used; never [`InsideTest::Auto`].
     pub inside: InsideTest,
-    /// Why.
+    /// Why this test was used.
     pub reason: Reason,
-    /// The part of the inside voxels about which there is no doubt: 1 on closed surfaces.
+    /// The fraction of the inside voxels about which there is no doubt: 1 on closed surfaces.
     pub confidence: f64,
-    /// Voxels that could be called otherwise: on lines with an odd number of crossings, where the three
+    /// Voxels that may be inside or outside: on lines with an odd number of crossings, where the three
     /// axes disagree, or where the winding number is within 0.2 of 1/2 or 3/2.
     pub ambiguous_voxels: usize,
     /// Linked components that were dropped because another is larger.
@@ -39,15 +40,15 @@ pub struct Voxelization {
     pub overlap_volume: f64,
     /// Components, tunnels and cavities of `grid` under face links.
     pub topology: GridTopology,
-    /// What the user should know, in order of weight.
+    /// What the user should know, the most important first.
     pub warnings: Vec<Warning>,
 }
 
 /// Turns a mesh into a solid of linked voxels.
 ///
 /// A voxel belongs to the solid when its centre lies inside; a centre exactly on the surface counts as
-/// moved by an infinitesimal along +x (then +y, then +z). Neighbours inside are linked unless the
-/// surface parts them: the segment between their centres leaves the solid, and comes back.
+/// moved by an infinitesimal along +x (then +y, then +z). Neighbours inside are linked unless
+/// the segment between their centres leaves the solid and comes back.
 ///
 /// On closed meshes the result is that of exact arithmetic. Cost: O(triangles + crossings + box
 /// voxels / 64), in parallel; the result does not depend on the number of threads. Memory: half a
@@ -117,9 +118,9 @@ pub fn voxelize(mesh: &TriangleMesh, parameters: &VoxelizeParameters) -> Result<
     Ok(voxelization)
 }
 
-/// The inside of a mesh alone, as bits, without links or components: for whoever needs a mask.
+/// The voxels inside a mesh as bits, without links or components: for those who only need a mask.
 ///
-/// The parameters `cut_links`, `connectivity` and `largest_only` have no say here. Memory: an eighth of a byte
+/// The parameters `cut_links`, `connectivity` and `largest_only` are ignored. Memory: an eighth of a byte
 /// for each voxel of the box, and 40 bytes a vertex.
 ///
 /// # Errors
@@ -139,7 +140,7 @@ pub fn inside(
     Ok((frame, occupancy))
 }
 
-/// A mesh understood, before it is swept.
+/// A mesh that has been examined, ready to be swept.
 struct Prepared<'m> {
     analysis: MeshAnalysis<'m>,
     surface: Surface<'m>,

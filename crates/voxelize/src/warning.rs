@@ -41,7 +41,7 @@ pub enum Warning {
     Merged,
     /// Parts of the solid are covered more than once, more than a few voxels of it.
     Overlap {
-        /// Volume covered more than once over the solid's.
+        /// Volume covered more than once, over the volume of the solid.
         fraction: f64,
     },
     /// Components were dropped, more than a few voxels of them.
@@ -50,27 +50,27 @@ pub enum Warning {
         components: usize,
         /// Voxels in them.
         voxels: usize,
-        /// The part of all inside voxels.
+        /// Fraction of all inside voxels.
         fraction: f64,
     },
-    /// Some voxels could be called otherwise.
+    /// Some voxels may be inside or outside.
     Ambiguous {
         /// How many.
         voxels: usize,
     },
-    /// The solid's topology is not that of the mesh: parts fused, or lost. Mostly that is fingers or ears,
-    /// a voxel apart or thick; it can be limbs.
+    /// The solid's topology is not that of the mesh: parts fused or were lost. Mostly these are fingers or
+    /// ears that are a voxel thick or a voxel apart, but they can be limbs.
     Topology {
         /// Euler characteristic of the solid.
         solid: i64,
-        /// Euler characteristic of the mesh; that of a solid within is half of it.
+        /// Euler characteristic of the mesh; that of the solid it bounds is half of it.
         mesh: i64,
     },
     /// Parts of the solid are thinner than two voxels.
     Thin {
         /// Voxels in no cube of 2 x 2 x 2 linked voxels.
         voxels: usize,
-        /// The part of all voxels.
+        /// Fraction of all voxels.
         fraction: f64,
         /// A finer pitch, in the mesh's units.
         advice: f64,
@@ -125,10 +125,11 @@ impl fmt::Display for Warning {
     }
 }
 
-/// The part of thin voxels that is worth a warning.
+/// The fraction of thin voxels that is worth a warning.
 const THIN: f64 = 0.01;
 
-/// The part of dropped or doubly covered voxels that is worth one: a tenth of the smallest usual region.
+/// The fraction of dropped or doubly covered voxels that is worth a warning: a tenth of the smallest usual
+/// region.
 const NOTABLE: f64 = 1e-3;
 
 pub(crate) fn warnings(

@@ -58,7 +58,8 @@ impl Asset<'_> {
                 let offset = accessor.byte_offset.unwrap_or_default().0;
                 self.array(view, offset, count, width, component).map_err(fault)?
             }
-            // A sparse accessor without a view starts from zeros, and the size of the file does not bound them.
+            // A sparse accessor without a view starts from zeros, and the size of the file does not bound
+            // them.
             None if count > held => {
                 return Err(fault(format!(
                     "it declares {count} rows, more than the file's {held} bytes can hold"

@@ -83,7 +83,8 @@ impl<'a> Scene<'a> {
         let place = |map: &Affine, points: &[[f64; 3]]| points.iter().map(|&p| map.apply(p)).collect();
 
         let (positions, group, keys, orientation) = match asset.root.nodes[node].skin {
-            // A skin ignores the transform of its node. Vertices are compared for welding before it moves them.
+            // A skin ignores the transform of its node. Vertices are compared for welding before it moves
+            // them.
             Some(number) => {
                 let skin = get(&posed.skins, number.value(), "skin")?;
                 let influences = skin::influences(asset, primitive, still.len(), skin.joints.len())?;

@@ -1,4 +1,5 @@
-//! The far field of a set of triangles: their moments, and the expansion of the winding number to second order.
+//! The far field of a set of triangles: their moments, and the expansion of the winding number to second
+//! order.
 
 use crate::triangle_geometry::area_vector;
 use mser3d_shape::vector::{Vec3, dot, norm, scale, sub};

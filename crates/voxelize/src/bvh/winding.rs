@@ -109,7 +109,8 @@ impl WindingTree {
             let size = expansion.far.sqrt() / ACCURACY;
             if gap > ACCURACY * size {
                 // The gradient of a solid angle is at most twice the area over the distance cubed, and the
-                // second derivatives along three axes are together at most 12 times that over its fourth power.
+                // second derivatives along three axes are together at most 12 times that over its fourth
+                // power.
                 let (distance, angle) = (gap - size, self.areas[i] / (4.0 * PI));
                 if 2.0 * angle * radius < NEGLIGIBLE * distance.powi(3) {
                     common += expansion.evaluate(x);

@@ -76,7 +76,8 @@ fn a_hand_in_a_thigh_leaves_out_what_both_cover() {
     assert!(twice > 50, "{twice}");
 }
 
-/// Cut where the hand touches the thigh, the figure is a ball to topology, as its surface is: one piece without tunnels.
+/// Cut where the hand touches the thigh, the figure is a ball to topology, as its surface is: one piece
+/// without tunnels.
 #[test]
 fn a_figure_that_touches_itself_keeps_the_topology_of_its_surface() {
     let (rest, pose) = (fixture("human_rest.off"), fixture("human_touch.off"));
