@@ -6,7 +6,8 @@
 //! knows whether it came from voxels or from triangles. Matrices of your own become one by [`Operator::new`].
 //!
 //! * [`grid_laplacian`] and [`cotangent_laplacian`] assemble W as a [`sprs`] matrix.
-//! * [`GridStencil`] is the same grid operator without a matrix: neighbours and weights, for iterative solvers.
+//! * [`GridStencil`] is the same grid operator without a matrix: neighbours and weights, for iterative
+//!   solvers.
 //! * [`aggregate_grid`] makes a coarser operator of the same solid, for estimates and starting vectors.
 //!
 //! ```
@@ -22,8 +23,8 @@
 //! # Ok::<(), mser3d_shape::ShapeError>(())
 //! ```
 //!
-//! Limits: the voxel operator joins face neighbours only; meshes get linear elements with lumped masses, without
-//! Delaunay flips.
+//! Limits: the voxel operator joins face neighbours only; meshes get linear elements with lumped masses,
+//! without Delaunay flips.
 
 mod aggregate;
 mod cotangent;

@@ -3,8 +3,8 @@ use mser3d_shape::{Domain, VoxelGrid};
 /// The grid Laplacian without a matrix: the six neighbours of each voxel, and the weights of the three axes.
 ///
 /// `(L x)(v) = sum_a (1/h_a^2) (2 x(v) - x(v - a) - x(v + a))`, units length^-2: the operator of
-/// [`crate::grid_laplacian`] divided by the mass. A missing neighbour is the voxel itself, which the formula cancels.
-/// 24 bytes a voxel.
+/// [`crate::grid_laplacian`] divided by the mass. A missing neighbour is the voxel itself, which the formula
+/// cancels. 24 bytes a voxel.
 #[derive(Clone, Debug)]
 pub struct GridStencil {
     neighbours: Vec<[u32; 6]>,

@@ -1,4 +1,5 @@
-//! The tones of a round drum: the eigenvalues of a matrix of your own, here the Laplacian of a disc whose rim is held.
+//! The tones of a round drum: the eigenvalues of a matrix of your own, here the Laplacian of a disc whose rim
+//! is held.
 //!
 //! `cargo run -p mser3d-spectral --example drum`
 

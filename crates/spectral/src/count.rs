@@ -14,12 +14,12 @@ const NUDGES: [f64; 7] = [0.0, 1e-6, -1e-6, 3e-6, -3e-6, 1e-5, -1e-5];
 /// The number of eigenvalues of `W phi = lambda M phi` below `bound` (length^-2), zero modes included: tells
 /// whether a computed spectrum is complete. Negative eigenvalues count as well.
 ///
-/// By Sylvester's law of inertia it is the number of negative entries of the D of
-/// `A - bound I = L D L^T`, `A = M^(-1/2) W M^(-1/2)`. Choose the bound in a gap of the spectrum: eigenvalues within
-/// 10^-5 of it, relative, may count or not, as rounding has it.
+/// By Sylvester's law of inertia it is the number of negative entries of the D of `A - bound I = L D L^T`, where
+/// `A = M^(-1/2) W M^(-1/2)`. Choose the bound in a gap of the spectrum: eigenvalues within 10^-5 of it,
+/// relative, may count or not, depending on rounding.
 ///
-/// Cost: a sparse factorization; for a solid with n voxels about n^2 flops and 20 n^(4/3) numbers. Work that needs
-/// more than `memory_limit` bytes is refused.
+/// Cost: a sparse factorization; for a solid with n voxels about n^2 flops and 20 n^(4/3) numbers. Work that
+/// needs more than `memory_limit` bytes is refused.
 ///
 /// # Errors
 /// [`SpectralError::InvalidParameter`] for a bound that is not finite, [`SpectralError::TooMuchMemory`],

@@ -9,12 +9,12 @@ use pulp::Simd;
 
 use crate::kernels::{LANES, Lanes};
 
-/// The grid Laplacian with its voxels reordered: slices across the solid's longest axis, in them lines along the
-/// second longest.
+/// The grid Laplacian with its voxels reordered: slices across the solid's longest axis, in them lines along
+/// the second longest.
 ///
 /// Slices across the longest axis are the smallest, so that many fit in a cache. Long lines make long runs of
-/// rows that are treated alike: no index is read for each row, and no row is loaded twice as a neighbour along
-/// the line. That is what the time goes into, not the arithmetic.
+/// rows that are treated alike: no index is read for each row, and no row is loaded twice as a neighbour
+/// along the line. That is what the time goes into, not the arithmetic.
 pub(crate) struct SlicedStencil {
     runs: Vec<Run>,
     /// First run of each line, line by line of slice by slice, and the number of runs.
@@ -28,8 +28,8 @@ pub(crate) struct SlicedStencil {
     bound: f64,
 }
 
-/// Rows that are linked along their line, and whose neighbours across it follow each other as they do. A missing
-/// neighbour is the row itself, as in [`GridStencil`].
+/// Rows that are linked along their line, and whose neighbours across it follow each other as they do. A
+/// missing neighbour is the row itself, as in [`GridStencil`].
 #[derive(Clone, Copy)]
 struct Run {
     start: u32,
