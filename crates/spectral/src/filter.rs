@@ -29,16 +29,17 @@ use crate::{SpectralError, SpectrumParameters};
 /// Columns added at a time: fewer span the wanted pairs than in larger blocks, since each step of Lanczos,
 /// whatever its width, tells wanted from unwanted equally well.
 const BLOCK: usize = LANES;
-/// ln p(0): how far the polynomial spreads the wanted eigenvalues. A larger one needs fewer columns, but more
-/// applications of A; the sum of both costs changes by a few hundredths from 8 to 16. Rounding errors
-/// of p(A) are relative to p(0), so a smaller one is more exact.
+/// About the logarithm of p(0) over the largest |p| above the cut-off: how far the polynomial spreads the
+/// wanted eigenvalues. A larger one needs fewer columns, but more applications of A; the sum of both costs
+/// changes by a few hundredths from 8 to 16. Rounding errors of p(A) are relative to p(0), so a smaller one is
+/// more exact.
 const GROWTH: f64 = 10.0;
 /// The cut-off is the coarse eigenvalue of this number of times the wanted one.
 const GUARD: f64 = 1.2;
 /// Rows of the coarse operator for each eigenvalue that is asked of it.
 const COARSE_ROWS: usize = 12;
-/// About what smoothing divides a residual by: 60 to 1000, measured on two bodies. Where that is too little,
-/// p follows.
+/// Smoothing divides a residual by about this: 60 to 1000, measured on two shapes. Where that is too little, p
+/// itself is applied once more.
 const SMOOTHING: f64 = 100.0;
 /// No pair is taken for converged above this, or a copy of a multiple eigenvalue might still be on its way.
 const LARGEST_RESIDUAL: f64 = 1e-7;
@@ -181,7 +182,8 @@ pub(crate) fn filtered_eigenpairs(
 }
 
 /// A value with about `GUARD * wanted` eigenvalues of a coarser operator below it, corrected for that one's
-/// dispersion: a wave of length h / w has 4 sin^2(w h / 2) / h^2 instead of w^2.
+/// dispersion: on cells of size h a wave of wave number w has the eigenvalue 4 sin^2(w h / 2) / h^2 instead
+/// of w^2.
 fn first_cutoff(grid: &VoxelGrid, wanted: usize) -> Result<f64, SpectralError> {
     let factor = coarse_factor(grid.len(), wanted).unwrap_or(2);
     let coarse = StandardProblem::new(&aggregate_grid(grid, factor).operator);
@@ -260,7 +262,7 @@ impl<'a> Filter<'a> {
 
     /// Whether a residual of p(A) means that of A is below the tolerance, relative to the eigenvalue, when it
     /// has been smoothed. What is missing from a Ritz vector lies above the cut-off, spread over the rest of
-    /// the spectrum: there p is nothing, and A half its bound on average, as measured.
+    /// the spectrum, where p is nearly 0 and A half its bound on average, as measured.
     fn accepts(&self, theta: f64, residual: f64, tolerance: f64) -> bool {
         let missing = residual / (theta - self.floor).max(f64::MIN_POSITIVE);
         let enough = (SMOOTHING * tolerance).min(LARGEST_RESIDUAL).max(3.0 * tolerance);

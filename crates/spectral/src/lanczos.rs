@@ -25,7 +25,7 @@ pub(crate) struct Lanczos<'a> {
     pub negative: usize,
     /// Most columns of the basis, a multiple of `block`.
     pub capacity: usize,
-    /// Columns from which on convergence is looked at before the basis is full.
+    /// With this many columns convergence is tested for the first time, unless the basis is full before.
     pub check_from: usize,
     /// Overlap that blocks of the basis may keep with each other for a while. Up to 1e-8 the projected matrix
     /// is as exact as with none (semiorthogonality, Simon 1984); Ritz vectors of values far smaller than the

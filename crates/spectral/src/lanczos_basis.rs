@@ -15,7 +15,7 @@ use crate::small_dense::orthonormal_combinations;
 
 /// Overlap that rounding leaves in an image, relative to the operator's norm.
 const ROUNDING: f64 = 1e-15;
-/// Most blocks that wait for each other.
+/// The most blocks that wait.
 const WAITING: usize = 4;
 
 /// The basis: columns that are orthonormal to rounding, and some blocks at the end that wait.
@@ -106,7 +106,7 @@ impl<'a> Basis<'a> {
         let growth = norm / scale.last().copied().unwrap_or(0.0);
         let overlap = growth * (self.overlaps[0] + self.overlaps[1] + ROUNDING);
         self.overlaps = [self.overlaps[1], overlap];
-        // Not `>`: without a bound, which is no number, nothing may wait.
+        // Not `>`: where the bound is not a number, nothing may wait.
         let small = overlap <= self.most_overlap;
         if !small || self.len() - self.settled >= WAITING * self.block {
             self.settle();

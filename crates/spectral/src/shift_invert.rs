@@ -26,12 +26,13 @@ use crate::standard_problem::StandardProblem;
 
 /// Columns added to the basis at a time. More find more copies at once, but need a larger basis.
 const BLOCK: usize = LANES;
-/// Wanted pairs from which on a shift among them is worth its search.
+/// From this many wanted pairs on, a shift among them is worth the search for it.
 const MANY: usize = 24;
 /// The part of the wanted eigenvalues to have below the shift, and the parts that will do.
 const SHARE: f64 = 0.55;
 const SHARES: std::ops::RangeInclusive<f64> = 0.4..=0.66;
-/// Eigenvalues nearest to the shift make a norm of thousands of times the smallest Ritz values.
+/// Overlap that blocks of the basis may keep for a while. It is small, because eigenvalues near the shift make
+/// the norm thousands of times larger than the smallest Ritz values.
 const OVERLAP: f64 = 1e-11;
 
 /// What to find.
@@ -55,7 +56,7 @@ pub(crate) fn inverse_eigenpairs(
     progress: &dyn Fn(usize) -> bool,
 ) -> Result<Pairs, SpectralError> {
     if let Some(inverse) = Inverse::among_wanted(problem, elimination, task.wanted) {
-        // Where it is slow, something is wrong with it.
+        // If more restarts are needed, something is wrong with the shift.
         let task = Task { max_restarts: task.max_restarts.min(3), ..*task };
         let bound = problem.bound;
         let good = |(&value, &r): (&f64, &f64)| r <= attainable(task.tolerance, bound, value);
@@ -98,7 +99,7 @@ impl<'a> Inverse<'a> {
         }
     }
 
-    /// At a shift below the spectrum: well below the wanted eigenvalues (33 k^(2/3) V^(-2/3) by Weyl's law),
+    /// At a shift below the spectrum: well below the wanted eigenvalues (15 k^(2/3) V^(-2/3) by Weyl's law),
     /// but so far that the matrix is well conditioned.
     fn below_all(
         problem: &'a StandardProblem,
@@ -186,8 +187,8 @@ impl<'a> Inverse<'a> {
             max_restarts,
             null_space,
         };
-        // A residual r of the inverse is one of r / theta^2 of A after the step of inverse iteration below. A
-        // floor where rounding ends all progress, because true residuals decide in the end.
+        // After the step of inverse iteration below, a residual r of the inverse means one of r / theta^2 of A.
+        // Below the floor of 1e-14 rounding ends all progress; true residuals decide in the end.
         let accept = |theta: f64, residual: f64| {
             let relative = (1.0 + self.sigma * theta).abs();
             residual <= theta.abs() * (0.9 * tolerance * relative).max(1e-14)

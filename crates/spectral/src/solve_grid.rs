@@ -28,6 +28,20 @@ use crate::{
 /// Cost of the filter, measured: `9.5 n^(4/3) k^(2/3)` stencil updates of 0.25 to 0.5 ns and `20 n k^2`
 /// flops; memory for about 2.5 k vectors. `progress` as in [`crate::smallest_eigenpairs`].
 ///
+/// ```
+/// use std::ops::ControlFlow;
+/// use mser3d_shape::{BitGrid, Frame, VoxelGrid};
+/// use mser3d_spectral::{EigenpairRange, SpectrumParameters, smallest_eigenpairs_of_grid};
+///
+/// // All eigenpairs of a cube of side 1 with lambda V^(2/3) below 15: 0, and three near pi^2.
+/// let frame = Frame::new([8; 3], [0.0; 3], [0.125; 3])?;
+/// let cube = VoxelGrid::solid(frame, BitGrid::full(frame.dims())?)?;
+/// let parameters = SpectrumParameters { eigenpairs: EigenpairRange::LambdaMax(15.0), ..Default::default() };
+/// let spectrum = smallest_eigenpairs_of_grid(&cube, &parameters, &|_| ControlFlow::Continue(()))?;
+/// assert_eq!(spectrum.basis.eigenvalues().len(), 4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// As [`crate::smallest_eigenpairs`].
 pub fn smallest_eigenpairs_of_grid(

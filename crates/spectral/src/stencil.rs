@@ -21,7 +21,7 @@ pub(crate) struct SlicedStencil {
     line_starts: Vec<u32>,
     /// Lines of a slice.
     lines: usize,
-    /// 1/h^2 along the line and across it.
+    /// 1/h^2 along the line, across slices, and across lines of a slice.
     weights: [f64; 3],
     /// The voxel of each row.
     pub order: Vec<u32>,
@@ -40,7 +40,7 @@ struct Run {
     across: [u32; 4],
 }
 
-/// `y <- a A x + x x + previous y`: a step of a three-term recurrence.
+/// `y <- step.a A x + step.x x + step.previous y`: a step of a three-term recurrence.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Step {
     pub a: f64,

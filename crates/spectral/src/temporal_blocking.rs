@@ -5,12 +5,12 @@
 //! use, and if these fit in a cache, memory is read once for `s` steps (wavefronts: Wonnacott 2000; Malas,
 //! Hager, Ltaief, Stengel, Wellein & Keyes 2015).
 //!
-//! Where slices are too large for that, they are tiled: a tile is some lines of all slices, moved one line
+//! Where slices are too large for that, they are tiled: a tile is w lines of all slices, moved one line
 //! back with each step. Step s of tile j works on the lines `[j w - s, (j + 1) w - s)`. At step s - 1 the
 //! line after any of these belongs to the same tile, where it was reached earlier in the wave, and the line
-//! before to the same or the tile before. So tiles one after the other find all they need. Nor is it lost:
-//! the two buffers take turns, so step s overwrites what step s - 2 left in its own row, and whoever needed
-//! that was needed by step s.
+//! before to the same or the tile before. So tiles one after the other find all they need. Nothing is
+//! overwritten too early either: the two buffers take turns, so step s overwrites what step s - 2 left in its
+//! own row, and all steps that read it have run, as step s needed their results.
 
 use std::ops::Range;
 
@@ -25,7 +25,8 @@ use crate::stencil::{SlicedStencil, Step};
 const WAVE_BYTES: [usize; 2] = [400 << 10, 6 << 20];
 /// Bytes that the steps of a tile may fill: part of them lie in the second-level cache.
 const TILE_BYTES: usize = 2 << 20;
-/// Fewer steps in the second-level cache than in the third are worth it; more than the most gain nothing.
+/// Fewer steps together than these are not worth it in the second-level cache and in the third; more than the
+/// most gain nothing.
 const FEWEST_STEPS: [usize; 2] = [4, 8];
 const MOST_STEPS: usize = 16;
 
