@@ -10,6 +10,7 @@ use crate::Operator;
 /// Only voxels that are *linked within their cell* are joined, so touching limbs stay apart and the
 /// coarse operator has the components of the fine one.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Aggregation {
     /// The coarse operator: masses are the aggregates' volumes.
     pub operator: Operator,
@@ -22,6 +23,18 @@ pub struct Aggregation {
 /// Finite volumes: two aggregates joined by c links along axis a exchange c (voxel volume) /
 /// (factor h_a^2), the flux through the c faces between them over a distance of `factor` voxels.
 /// The low eigenvalues approximate the fine ones to second order in the cell size, away from walls.
+///
+/// ```
+/// use mser3d_laplace::aggregate_grid;
+/// use mser3d_shape::{BitGrid, Frame, VoxelGrid};
+///
+/// let frame = Frame::new([6, 4, 4], [0.0; 3], [1.0; 3])?;
+/// let solid = VoxelGrid::solid(frame, BitGrid::full(frame.dims())?)?;
+/// let coarse = aggregate_grid(&solid, 2);
+/// assert_eq!(coarse.operator.mass(), [8.0; 12]);
+/// assert_eq!(coarse.aggregate[..6], [0, 0, 1, 1, 2, 2]);
+/// # Ok::<(), mser3d_shape::ShapeError>(())
+/// ```
 pub fn aggregate_grid(grid: &VoxelGrid, factor: u32) -> Aggregation {
     let factor = factor.max(1);
     let n = grid.len();

@@ -6,10 +6,10 @@ use crate::{LaplaceError, Operator};
 
 /// The cotangent Laplacian of a mesh with lumped (barycentric) masses, section 3.1 (Pinkall & Polthier 1993).
 ///
-/// W_uv = -(cot a + cot b)/2 over the angles opposite to edge uv, the diagonal is minus the sum of the row's other
-/// entries, and M_v is a third of the area of the triangles around v. W is the sum of the linear finite
-/// elements' matrices, so it is positive semidefinite on any mesh: open, non-manifold (an edge sums
-/// over all its triangles) or badly oriented.
+/// W_uv = -(cot a + cot b)/2 over the angles opposite to edge uv, the diagonal is minus the sum of the row's
+/// other entries, and M_v is a third of the area of the triangles around v. W is the sum of the linear finite
+/// elements' matrices, so it is positive semidefinite on any mesh: open, non-manifold (an edge sums over all
+/// its triangles) or badly oriented.
 ///
 /// ```
 /// use mser3d_laplace::cotangent_laplacian;

@@ -1,13 +1,14 @@
 //! Laplace operators of solids and surfaces, in one form.
 //!
-//! Both the paper's volume operator (section 3.2: 7-point stencil, Neumann boundary) and its surface
-//! operator (section 3.1: cotangents) become one [`Operator`]: a sparse symmetric positive
-//! semidefinite stiffness W and a diagonal mass M with `W phi = lambda M phi`. From here on nothing
-//! knows whether it came from voxels or from triangles. Matrices of your own become one by [`Operator::new`].
+//! The volume operator (7-point stencil, Neumann boundary) and the surface operator (cotangents) of Litman,
+//! Bronstein & Bronstein 2012, sections 3.2 and 3.1, both become one [`Operator`]: a sparse symmetric positive
+//! semidefinite stiffness W and a diagonal mass M with `W phi = lambda M phi`. From here on nothing knows
+//! whether it came from voxels or from triangles. A matrix of your own becomes one by [`Operator::new`].
 //!
 //! * [`grid_laplacian`] and [`cotangent_laplacian`] assemble W as a [`sprs`] matrix.
-//! * [`GridStencil`] is the same grid operator without a matrix: neighbours and weights, for iterative solvers.
-//! * [`aggregate_grid`] makes a coarser operator of the same solid, for estimates and starting vectors.
+//! * [`GridStencil`] is the same grid operator without a matrix: neighbours and weights, for iterative
+//!   solvers.
+//! * [`aggregate_grid`] makes a coarser operator of the same solid, for estimates.
 //!
 //! ```
 //! use mser3d_laplace::grid_laplacian;
@@ -22,8 +23,8 @@
 //! # Ok::<(), mser3d_shape::ShapeError>(())
 //! ```
 //!
-//! Limits: the voxel operator joins face neighbours only; meshes get linear elements with lumped masses, without
-//! Delaunay flips.
+//! Limits: the voxel operator joins face neighbours only; meshes get linear elements with lumped masses,
+//! without Delaunay flips.
 
 mod aggregate;
 mod cotangent;

@@ -3,10 +3,10 @@ use sprs::CsMat;
 
 /// The generalized eigenproblem `W phi = lambda M phi`: a symmetric stiffness W and a diagonal mass M.
 ///
-/// The Laplacians of this crate (sections 3.1 and 3.2 of the paper) are positive semidefinite, and their rows sum to
-/// zero. [`Operator::new`] takes any symmetric matrix: a Dirichlet Laplacian, a Laplacian plus a potential, the
-/// matrices of other finite elements with lumped masses. A row without mass (a vertex that no triangle with area
-/// touches) has no stiffness either and takes no part.
+/// The Laplacians of this crate (sections 3.1 and 3.2 of the paper) are positive semidefinite, and their rows
+/// sum to zero. [`Operator::new`] takes any symmetric matrix: a Dirichlet Laplacian, a Laplacian plus a
+/// potential, the matrices of other finite elements with lumped masses. A row without mass (a vertex that no
+/// triangle with area touches) has no stiffness either and takes no part.
 ///
 /// ```
 /// use mser3d_laplace::{Operator, sprs::TriMat};
@@ -70,14 +70,15 @@ pub enum LaplaceError {
 }
 
 impl Operator {
-    /// An operator from its stiffness W (n x n, units length^(d-2)) and the diagonal of its mass M (n, length^d).
+    /// An operator from its stiffness W (n x n, units length^(d-2)) and the diagonal of its mass M (n,
+    /// length^d).
     ///
-    /// W may be compressed by rows or by columns. It need not be positive semidefinite here; the eigensolvers of
-    /// `mser3d-spectral` refuse it if it is not.
+    /// W may be compressed by rows or by columns. It need not be positive semidefinite here; the eigensolvers
+    /// of `mser3d-spectral` refuse it if it is not.
     ///
     /// # Errors
-    /// [`LaplaceError::SizeMismatch`]; [`LaplaceError::InvalidOperator`] for a stiffness that is not finite or not
-    /// symmetric to the last bit, for masses that are negative or not finite, and for stiffness without mass.
+    /// [`LaplaceError::SizeMismatch`]; [`LaplaceError::InvalidOperator`] for a stiffness that is not finite or
+    /// not symmetric to the last bit, for masses that are negative or not finite, and for stiffness without mass.
     pub fn new(domain: Domain, stiffness: CsMat<f64>, mass: Vec<f64>) -> Result<Self, LaplaceError> {
         let (rows, columns) = stiffness.shape();
         if rows != mass.len() || columns != mass.len() {
@@ -142,8 +143,9 @@ impl Operator {
         &self.mass
     }
 
-    /// Whether W is known to be positive semidefinite, to rounding: a Laplacian of this crate, or a matrix whose
-    /// diagonal is at least the sum of its row's other absolute values (Gershgorin). Others may be or not.
+    /// Whether W is known to be positive semidefinite, to rounding: a Laplacian of this crate, or a matrix
+    /// whose diagonal is at least the sum of its row's other absolute values (Gershgorin). Others may be or
+    /// not.
     pub fn is_known_semidefinite(&self) -> bool {
         self.known_semidefinite
     }

@@ -3,8 +3,23 @@ use mser3d_shape::{Domain, VoxelGrid};
 /// The grid Laplacian without a matrix: the six neighbours of each voxel, and the weights of the three axes.
 ///
 /// `(L x)(v) = sum_a (1/h_a^2) (2 x(v) - x(v - a) - x(v + a))`, units length^-2: the operator of
-/// [`crate::grid_laplacian`] divided by the mass. A missing neighbour is the voxel itself, which the formula cancels.
-/// 24 bytes a voxel.
+/// [`crate::grid_laplacian`] divided by the mass. A missing neighbour is the voxel itself, which the formula
+/// cancels. 24 bytes a voxel.
+///
+/// ```
+/// use mser3d_laplace::GridStencil;
+/// use mser3d_shape::{BitGrid, Frame, VoxelGrid};
+///
+/// let frame = Frame::new([4, 1, 1], [0.0; 3], [0.5, 1.0, 1.0])?;
+/// let rod = VoxelGrid::solid(frame, BitGrid::full(frame.dims())?)?;
+/// let stencil = GridStencil::new(&rod);
+/// // L x at voxel 1: its neighbours along x are slots 2 and 3.
+/// let x = [0.0, 1.0, 4.0, 9.0];
+/// let around = stencil.neighbours()[1];
+/// let value = stencil.weights()[0] * (2.0 * x[1] - x[around[2] as usize] - x[around[3] as usize]);
+/// assert_eq!(value, -8.0);
+/// # Ok::<(), mser3d_shape::ShapeError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct GridStencil {
     neighbours: Vec<[u32; 6]>,

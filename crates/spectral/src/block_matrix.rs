@@ -172,8 +172,8 @@ impl BlockMatrix {
         })
     }
 
-    /// Calls `work(rows, rows of all blocks, sums)` on every chunk of rows, in parallel, where sums are squares
-    /// for each of `m` blocks with each block of self. Returns the sums.
+    /// Calls `work(rows, rows of all blocks, sums)` on every chunk of rows, in parallel, where sums are
+    /// squares for each of `m` blocks with each block of self. Returns the sums.
     fn update(
         &mut self,
         m: usize,

@@ -1,7 +1,7 @@
 //! Connected components, solved one by one.
 //!
-//! Equal bodies side by side have the same eigenvalues. An iteration on all of them at once sees only as many copies
-//! of an eigenvalue as its block has columns; one by one, each body has few.
+//! Equal bodies side by side have the same eigenvalues. An iteration on all of them at once sees only as many
+//! copies of an eigenvalue as its block has columns; one by one, each body has few.
 
 use mser3d_shape::{Components, Domain, Eigenbasis};
 

@@ -15,7 +15,7 @@ pub(crate) fn dense_eigenpairs(problem: &StandardProblem) -> Result<(Vec<f64>, B
         }
     }
     // Lift the null space above everything else, so that it cannot mix with small eigenvalues.
-    let lift = 2.0 * problem.bound().max(f64::MIN_POSITIVE);
+    let lift = 2.0 * problem.bound.max(f64::MIN_POSITIVE);
     let null = &problem.null_space;
     if null.len() > 0 {
         for i in 0..n {

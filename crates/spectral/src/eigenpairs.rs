@@ -39,7 +39,7 @@ impl Pairs {
         solver: SolverUsed,
     ) -> Result<Spectrum, SpectralError> {
         let residual =
-            check_residuals(&self.values, &self.residuals, problem.bound(), tolerance, self.restarts)?;
+            check_residuals(&self.values, &self.residuals, problem.bound, tolerance, self.restarts)?;
         let report = SpectrumReport {
             solver,
             iterations: self.restarts,

@@ -1,4 +1,5 @@
-//! Sparse factorizations `L D L^T` of `A - sigma I` (faer's, supernodal, AMD ordering), and the search for a shift.
+//! Sparse factorizations `L D L^T` of `A - sigma I` (faer's, supernodal, AMD ordering), and the search for a
+//! shift.
 
 use std::ops::RangeInclusive;
 
@@ -89,8 +90,9 @@ impl<'a> Elimination<'a> {
 
     /// Factors `A - sigma I`.
     ///
-    /// There is no pivoting, so a shift very near an eigenvalue of a leading submatrix makes a pivot tiny and the
-    /// others huge. The inverse and the inertia would be wrong, so that is an error; another shift will do.
+    /// There is no pivoting, so a shift very near an eigenvalue of a leading submatrix makes a pivot tiny and
+    /// the others huge. The inverse and the inertia would be wrong, so that is an error; another shift will
+    /// do.
     ///
     /// # Errors
     /// [`SpectralError::NotFactored`].
@@ -122,7 +124,7 @@ impl<'a> Elimination<'a> {
             )
             .map_err(|_| broken())?;
         let factor = Factor::new(&self.symbolic, factor);
-        if factor.largest_term() <= MOST_GROWTH * (problem.bound() + sigma.abs()) {
+        if factor.largest_term() <= MOST_GROWTH * (problem.bound + sigma.abs()) {
             Ok(factor)
         } else {
             Err(broken())

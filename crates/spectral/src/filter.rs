@@ -1,10 +1,10 @@
 //! The smallest eigenpairs of a grid's Laplacian A without a matrix: block Lanczos on p(A), where the
 //! Chebyshev polynomial p is large on the wanted eigenvalues and small on all others.
 //!
-//! The polynomial does what a factorization does for shift-invert: it spreads the wanted end of the
-//! spectrum. It costs a few dozen stencil applications and no memory. The cut-off, where "wanted" ends, comes from
-//! the spectrum of a coarser operator; it need not be exact, only above the wanted eigenvalues, and
-//! if it was too low the iteration says so by finding too few pairs below it and starts again.
+//! The polynomial does what a factorization does for shift-invert: it spreads the wanted end of the spectrum.
+//! It costs a few dozen stencil applications and no memory. The cut-off, where "wanted" ends, comes from the
+//! spectrum of a coarser operator; it need not be exact, only above the wanted eigenvalues, and if it was too
+//! low the iteration says so by finding too few pairs below it and starts again.
 
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -12,7 +12,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use mser3d_laplace::aggregate_grid;
 use mser3d_shape::VoxelGrid;
-use rayon::prelude::*;
 
 use crate::block_matrix::BlockMatrix;
 use crate::chebyshev::Polynomial;
@@ -21,28 +20,29 @@ use crate::kernels::{Block, LANES, Lanes};
 use crate::lanczos::Lanczos;
 use crate::null_space::NullSpace;
 use crate::quality::attainable;
+use crate::rayleigh_quotient::rayleigh_quotients;
 use crate::standard_problem::StandardProblem;
-use crate::stencil::{SlicedStencil, Step};
-use crate::temporal_blocking::{self, Tiling};
+use crate::stencil::SlicedStencil;
+use crate::temporal_blocking::Tiling;
 use crate::{SpectralError, SpectrumParameters};
 
 /// Columns added at a time: fewer span the wanted pairs than in larger blocks, since each step of Lanczos,
 /// whatever its width, tells wanted from unwanted equally well.
 const BLOCK: usize = LANES;
-/// ln p(0): how far the polynomial spreads the wanted eigenvalues. A larger one needs fewer columns, but more
-/// applications of A; the sum of both costs changes by a few hundredths from 8 to 16. Rounding errors
-/// of p(A) are relative to p(0), so a smaller one is more exact.
+/// About the logarithm of p(0) over the largest |p| above the cut-off: how far the polynomial spreads the
+/// wanted eigenvalues. A larger one needs fewer columns, but more applications of A; the sum of both costs
+/// changes by a few hundredths from 8 to 16. Rounding errors of p(A) are relative to p(0), so a smaller one is
+/// more exact.
 const GROWTH: f64 = 10.0;
 /// The cut-off is the coarse eigenvalue of this number of times the wanted one.
 const GUARD: f64 = 1.2;
 /// Rows of the coarse operator for each eigenvalue that is asked of it.
 const COARSE_ROWS: usize = 12;
-/// About what smoothing divides a residual by: 60 to 1000, measured on two bodies. Where that is too little, p follows.
+/// Smoothing divides a residual by about this: 60 to 1000, measured on two shapes. Where that is too little, p
+/// itself is applied once more.
 const SMOOTHING: f64 = 100.0;
 /// No pair is taken for converged above this, or a copy of a multiple eigenvalue might still be on its way.
 const LARGEST_RESIDUAL: f64 = 1e-7;
-/// Rows that a thread sums up at a time.
-const SUMMED_ROWS: usize = 1 << 13;
 /// Columns of the basis for each wanted pair; the iteration usually ends before it is full.
 const COLUMNS_PER_PAIR: f64 = 2.5;
 
@@ -135,8 +135,8 @@ pub(crate) fn filtered_eigenpairs(
             blocks
         };
         // What is left of the other eigenvectors is tiny, but most of it rough, which is much beside a small
-        // eigenvalue: the rest of the last columns, and the rounding errors of hundreds. A polynomial of a quarter of
-        // the degree smooths nearly all of it away; if that isn't enough, p does.
+        // eigenvalue: the rest of the last columns, and the rounding errors of hundreds. A polynomial of a
+        // quarter of the degree smooths nearly all of it away; if that isn't enough, p does.
         let smoother = Filter::new(&stencil, (16.0 * cutoff).min(0.5 * stencil.bound()), &cancelled);
         for filter in [&smoother, &filter] {
             let again = weak(&values, &residuals);
@@ -182,7 +182,8 @@ pub(crate) fn filtered_eigenpairs(
 }
 
 /// A value with about `GUARD * wanted` eigenvalues of a coarser operator below it, corrected for that one's
-/// dispersion: a wave of length h / w has 4 sin^2(w h / 2) / h^2 instead of w^2.
+/// dispersion: on cells of size h a wave of wave number w has the eigenvalue 4 sin^2(w h / 2) / h^2 instead
+/// of w^2.
 fn first_cutoff(grid: &VoxelGrid, wanted: usize) -> Result<f64, SpectralError> {
     let factor = coarse_factor(grid.len(), wanted).unwrap_or(2);
     let coarse = StandardProblem::new(&aggregate_grid(grid, factor).operator);
@@ -248,7 +249,8 @@ impl<'a> Filter<'a> {
         self.floor * (self.polynomial.degree as f64 * rate).cosh()
     }
 
-    /// The eigenvalue of A that p maps to `theta`, by bisection: p falls from 1 to the floor on `[0, cutoff]`.
+    /// The eigenvalue of A that p maps to `theta`, by bisection: p falls from 1 to the floor on
+    /// `[0, cutoff]`.
     fn eigenvalue(&self, theta: f64) -> f64 {
         let (mut low, mut high) = (0.0, self.polynomial.cutoff);
         for _ in 0..52 {
@@ -258,45 +260,12 @@ impl<'a> Filter<'a> {
         0.5 * (low + high)
     }
 
-    /// Whether a residual of p(A) means that of A is below the tolerance, relative to the eigenvalue, when it has
-    /// been smoothed. What is missing from a Ritz vector lies above the cut-off, spread over the rest of the
-    /// spectrum: there p is nothing, and A half its bound on average, as measured.
+    /// Whether a residual of p(A) means that of A is below the tolerance, relative to the eigenvalue, when it
+    /// has been smoothed. What is missing from a Ritz vector lies above the cut-off, spread over the rest of
+    /// the spectrum, where p is nearly 0 and A half its bound on average, as measured.
     fn accepts(&self, theta: f64, residual: f64, tolerance: f64) -> bool {
         let missing = residual / (theta - self.floor).max(f64::MIN_POSITIVE);
         let enough = (SMOOTHING * tolerance).min(LARGEST_RESIDUAL).max(3.0 * tolerance);
         self.stencil.bound() / 2.0 * missing <= enough * self.eigenvalue(theta)
     }
-}
-
-/// `x^T A x` of each column of some blocks and `|A x - lambda x| / lambda`; `work` as in [`Polynomial::apply`].
-fn rayleigh_quotients(
-    stencil: &SlicedStencil,
-    blocks: &mut [Block],
-    work: &mut Block,
-) -> (Vec<f64>, Vec<f64>) {
-    let once = [Step { a: 1.0, x: 0.0, previous: 0.0 }];
-    let tiling = Tiling::new(stencil);
-    let (mut values, mut residuals) = (Vec::new(), Vec::new());
-    for block in blocks {
-        work.resize(block.len(), Lanes::ZERO);
-        temporal_blocking::run(stencil, tiling, rayon::current_num_threads(), &once, block, work);
-        let energy = sum_over_rows(block, work, |x, y, _| x * y);
-        let square = sum_over_rows(block, work, |x, y, l| (y - energy[l] * x).powi(2));
-        values.extend(energy);
-        residuals.extend((0..LANES).map(|l| square[l].sqrt() / energy[l].max(f64::MIN_POSITIVE)));
-    }
-    (values, residuals)
-}
-
-/// The sum over all rows of a term in the entries x and y of each lane.
-fn sum_over_rows(x: &Block, y: &Block, term: impl Fn(f64, f64, usize) -> f64 + Sync) -> [f64; LANES] {
-    let partial = |(x, y): (&[Lanes], &[Lanes])| {
-        let mut sums = [0.0; LANES];
-        for (x, y) in x.iter().zip(y) {
-            (0..LANES).for_each(|l| sums[l] += term(x.0[l], y.0[l], l));
-        }
-        sums
-    };
-    let partials: Vec<_> = x.par_chunks(SUMMED_ROWS).zip(y.par_chunks(SUMMED_ROWS)).map(partial).collect();
-    partials.iter().fold([0.0; LANES], |sums, part| std::array::from_fn(|l| sums[l] + part[l]))
 }

@@ -4,8 +4,8 @@ use mser3d_shape::Eigenbasis;
 
 use crate::{SpectralError, Spectrum};
 
-/// All eigenpairs below `bound`, at least one, by asking `solve` for more until one lies beyond it. `guess` is about
-/// how many there are, of `available`.
+/// All eigenpairs below `bound`, at least one, by asking `solve` for more until one lies beyond it. `guess`
+/// is about how many there are, of `available`.
 pub(crate) fn all_below(
     bound: f64,
     guess: usize,

@@ -25,11 +25,11 @@ pub(crate) struct Lanczos<'a> {
     pub negative: usize,
     /// Most columns of the basis, a multiple of `block`.
     pub capacity: usize,
-    /// Columns from which on convergence is looked at before the basis is full.
+    /// With this many columns convergence is tested for the first time, unless the basis is full before.
     pub check_from: usize,
-    /// Overlap that blocks of the basis may keep with each other for a while. Up to 1e-8 the projected matrix is
-    /// as exact as with none (semiorthogonality, Simon 1984); Ritz vectors of values far smaller than the norm
-    /// need less.
+    /// Overlap that blocks of the basis may keep with each other for a while. Up to 1e-8 the projected matrix
+    /// is as exact as with none (semiorthogonality, Simon 1984); Ritz vectors of values far smaller than the
+    /// norm need less.
     pub overlap: f64,
     /// Largest number of restarts.
     pub max_restarts: usize,
@@ -81,7 +81,8 @@ impl Lanczos<'_> {
             }
             let norm = (0..filled + block).map(|i| projected[(i, i)].abs()).fold(0.0, f64::max);
             let coupling = basis.append(image, gram, norm)?;
-            // One block more than the recurrence's two: overlap with the third would falsify the coefficients.
+            // One block more than the recurrence's two: overlap with the third would falsify the
+            // coefficients.
             coupled = filled.saturating_sub(block);
             filled += block;
             let full = filled + block > self.capacity;

@@ -15,14 +15,14 @@ use crate::small_dense::orthonormal_combinations;
 
 /// Overlap that rounding leaves in an image, relative to the operator's norm.
 const ROUNDING: f64 = 1e-15;
-/// Most blocks that wait for each other.
+/// The most blocks that wait.
 const WAITING: usize = 4;
 
 /// The basis: columns that are orthonormal to rounding, and some blocks at the end that wait.
 ///
 /// Streaming the basis from memory takes longer than computing with it. In exact arithmetic the image of a
-/// block has no part along any but the last blocks, so a new block is orthogonalized against those at once, and
-/// against the others together with those that follow it, before its overlap with them can matter.
+/// block has no part along any but the last blocks, so a new block is orthogonalized against those at once,
+/// and against the others together with those that follow it, before its overlap with them can matter.
 pub(crate) struct Basis<'a> {
     columns: BlockMatrix,
     /// Columns of a block.
@@ -79,12 +79,12 @@ impl<'a> Basis<'a> {
         )
     }
 
-    /// Takes out of `image` its part along all columns from `first` on. Returns the coefficients, and the Gram
-    /// matrix of what is left.
+    /// Takes out of `image` its part along all columns from `first` on. Returns the coefficients, and the
+    /// Gram matrix of what is left.
     pub fn take_out(&self, image: &mut BlockMatrix, first: usize) -> (Mat<f64>, Mat<f64>) {
         let columns = blocks(first..self.len());
-        // Twice: the large part, then what rounding left of it. Reading the columns takes longer than computing
-        // with them, so each pass does what it can.
+        // Twice: the large part, then what rounding left of it. Reading the columns takes longer than
+        // computing with them, so each pass does what it can.
         let large = self.columns.gram(columns.clone(), image);
         let small = image.subtract_then_gram(&self.columns, columns.clone(), large.as_ref());
         let gram = image.subtract_then_self_gram(&self.columns, columns, small.as_ref());
@@ -106,7 +106,7 @@ impl<'a> Basis<'a> {
         let growth = norm / scale.last().copied().unwrap_or(0.0);
         let overlap = growth * (self.overlaps[0] + self.overlaps[1] + ROUNDING);
         self.overlaps = [self.overlaps[1], overlap];
-        // Not `>`: without a bound, which is no number, nothing may wait.
+        // Not `>`: where the bound is not a number, nothing may wait.
         let small = overlap <= self.most_overlap;
         if !small || self.len() - self.settled >= WAITING * self.block {
             self.settle();
@@ -157,9 +157,9 @@ impl<'a> Basis<'a> {
         BlockMatrix::from_blocks(self.columns.rows(), self.columns.blocks_mut().split_off(first))
     }
 
-    /// Makes the columns of `block` orthonormal, given their Gram matrix. Directions that depend on the others
-    /// are replaced by noise orthogonal to the basis. Returns R of `block = Q R`; R is zero in the rows of
-    /// replaced columns.
+    /// Makes the columns of `block` orthonormal, given their Gram matrix. Directions that depend on the
+    /// others are replaced by noise orthogonal to the basis. Returns R of `block = Q R`; R is zero in the
+    /// rows of replaced columns.
     fn orthonormalize(&mut self, block: &mut BlockMatrix, gram: Mat<f64>) -> Result<Mat<f64>, SpectralError> {
         let width = self.block;
         let mut r = Mat::<f64>::identity(width, width);

@@ -4,19 +4,21 @@
 //! * [`smallest_eigenpairs`] solves `W phi = lambda M phi` for any positive semidefinite
 //!   [`Operator`](laplace::Operator), by thick-restart block Lanczos on the inverse (sparse `L D L^T`
 //!   factorizations of shifted matrices).
-//! * [`smallest_eigenpairs_of_grid`] solves it on a voxel grid without a matrix, by the same Lanczos iteration on
-//!   a Chebyshev polynomial of the stencil: several times faster, and in the memory of about 2.5 k vectors.
+//! * [`smallest_eigenpairs_of_grid`] solves it on a voxel grid without a matrix, by the same Lanczos
+//!   iteration on a Chebyshev polynomial of the stencil: several times faster, with memory for about `2.5 k`
+//!   vectors.
 //! * [`count_below`] tells by a factorization how many eigenvalues lie below a bound.
 //!
 //! What is guaranteed:
 //!
 //! * Residuals are measured on the result, and a spectrum that misses the tolerance is an error. Where an
-//!   eigenvalue is so small that rounding alone moves A x by more (on shapes a thousand times longer than thick,
-//!   on meshes of slivers), a residual as small as rounding allows is accepted: [`SpectrumReport::residual`] tells.
-//! * A component whose rows of W sum to zero (a Neumann boundary, a closed surface) has an eigenvalue of exactly 0
-//!   with an exactly constant eigenfunction.
-//! * No copy of a multiple eigenvalue is missed: components are solved one by one, and where as many eigenvalues
-//!   lie together as a block has columns, the iteration is repeated orthogonally to what was found.
+//!   eigenvalue is so small that rounding alone moves A x by more (on shapes a thousand times longer than
+//!   thick, on meshes of slivers), a residual as small as rounding allows is accepted:
+//!   [`SpectrumReport::residual`] tells.
+//! * A component whose rows of W sum to zero (a Neumann boundary, a closed surface) has an eigenvalue of
+//!   exactly 0 with an exactly constant eigenfunction.
+//! * No copy of a multiple eigenvalue is missed: components are solved one by one, and where as many
+//!   eigenvalues lie together as a block has columns, the iteration is repeated, orthogonal to those found.
 //! * A negative eigenvalue is an error ([`SpectralError::Indefinite`]), never left out in silence.
 //! * The same input gives the same bits on any number of threads.
 //!
@@ -57,6 +59,7 @@ mod null_space;
 mod parameters;
 mod progress;
 mod quality;
+mod rayleigh_quotient;
 mod report;
 mod shift_invert;
 mod small_dense;

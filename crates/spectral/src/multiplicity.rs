@@ -2,14 +2,14 @@
 //!
 //! A Krylov space that starts from b random vectors holds min(m, b) copies of an m-fold eigenvalue. So where
 //! fewer than b of the eigenvalues found lie together, none is missing. Where b or more do, more may exist:
-//! the iteration is repeated orthogonally to all eigenvectors found, until it finds nothing below the last one
-//! wanted.
+//! the iteration is repeated orthogonally to all eigenvectors found, until it finds nothing below the last
+//! one wanted.
 
 use crate::SpectralError;
 use crate::block_matrix::BlockMatrix;
 
-/// Eigenvalues within this relative distance count as copies. Those farther apart are told apart before they have
-/// converged.
+/// Eigenvalues within this relative distance count as copies. Those farther apart are told apart before they
+/// have converged.
 const TOGETHER: f64 = 1e-8;
 
 /// Adds to the smallest eigenpairs, `values.len()` of them in any order, the copies that an iteration with

@@ -8,7 +8,8 @@ use crate::kernels::{LANES, Lanes};
 /// Rows that a thread sums up at a time.
 const ROWS: usize = 1 << 13;
 
-/// The part of the null space of A that is known in advance: M^(1/2) on each component whose rows of W sum to zero.
+/// The part of the null space of A that is known in advance: M^(1/2) on each component whose rows of W sum to
+/// zero.
 #[derive(Clone, Debug)]
 pub(crate) struct NullSpace {
     /// The null vector of each row; 0 on components without one, where its entry is 0.

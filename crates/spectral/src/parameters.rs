@@ -7,7 +7,8 @@ choice! {
     pub enum Eigensolver("solver") {
         /// By size and kind: dense, the filter for grids, shift-invert for all others
         ///
-        /// Dense up to 400 rows. The filter wherever a grid has many times more voxels than eigenpairs are wanted.
+        /// Dense up to 400 rows. The filter wherever a grid has many times more voxels than eigenpairs are
+        /// wanted.
         #[default]
         Auto = "auto",
         /// Block Lanczos on the inverse, by sparse L D L^T factorizations
@@ -32,9 +33,8 @@ pub enum EigenpairRange {
     AtMost(usize),
     /// All whose `lambda V^(2/3)` (on a surface `lambda A`) is less than this number, at least one.
     ///
-    /// The spectra of shapes of any size then end at the same scale. A connected solid has about
-    /// `x^(3/2) / (6 pi^2)` of them below x, and more if it has much surface; a surface has about `x / (4 pi)`
-    /// (Weyl's law).
+    /// The spectra of shapes of any size then end at the same scale. By Weyl's law a connected solid has about
+    /// `x^(3/2) / (6 pi^2)` of them below x, and more if it has much surface; a surface has about `x / (4 pi)`.
     LambdaMax(f64),
 }
 

@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::{SpectralError, Spectrum};
 
-/// Progress that never goes back, over components that are solved one after the other, and repeated iterations.
+/// Progress that never goes back, over components that are solved one after the other, and repeated
+/// iterations.
 pub(crate) struct Heard<'a> {
     progress: &'a (dyn Fn(usize) -> ControlFlow<()> + Sync),
     wanted: usize,

@@ -1,4 +1,5 @@
-//! How good eigenpairs are, as measured on the vectors: residuals, what rounding allows of them, orthogonality.
+//! How good eigenpairs are, as measured on the vectors: residuals, what rounding allows of them,
+//! orthogonality.
 
 use rayon::prelude::*;
 
@@ -10,11 +11,11 @@ use crate::standard_problem::StandardProblem;
 /// Units in the last place of the bound of the spectrum that rounding may put into `A x`.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// `|A x - lambda x| / lambda` of each pair, measured on the vectors. An eigenvalue that is zero to rounding is
-/// replaced in the denominator by the largest one that still is.
+/// `|A x - lambda x| / lambda` of each pair, measured on the vectors. An eigenvalue that is zero to rounding
+/// is replaced in the denominator by the largest one that still is.
 pub(crate) fn residuals(problem: &StandardProblem, values: &[f64], vectors: &BlockMatrix) -> Vec<f64> {
     let count = values.len();
-    let least = ROUNDING * problem.bound();
+    let least = ROUNDING * problem.bound;
     let residuals = vectors.blocks()[..count.div_ceil(LANES)].par_iter().enumerate().map(|(b, x)| {
         let mut y = x.clone();
         problem.apply(x, &mut y);

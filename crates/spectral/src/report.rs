@@ -42,9 +42,9 @@ pub struct SpectrumReport {
     pub iterations: usize,
     /// Vectors that the operator, or its inverse, was applied to.
     pub applications: usize,
-    /// Largest |W phi - lambda M phi| / (lambda |phi|) over the eigenpairs, in the norms of M^-1 and M. The exact
-    /// zero modes are left out; for an eigenvalue that is zero only to rounding, the limit of rounding stands for
-    /// lambda, 4e-15 times the bound of the spectrum.
+    /// Largest |W phi - lambda M phi| / (lambda |phi|) over the eigenpairs, in the norms of M^-1 and M. The
+    /// exact zero modes are left out; for an eigenvalue that is zero only to rounding, the limit of rounding
+    /// stands for lambda, 4e-15 times the bound of the spectrum.
     pub residual: f64,
     /// Largest entry of |Phi^T M Phi - I|.
     pub orthogonality: f64,
@@ -53,8 +53,8 @@ pub struct SpectrumReport {
 }
 
 impl SpectrumReport {
-    /// A report with nothing but the solver, all numbers zero: for a spectrum that was stored, whose numbers are
-    /// then put in field by field.
+    /// A report with nothing but the solver, all numbers zero: for a spectrum that was stored, whose numbers
+    /// are then put in field by field.
     ///
     /// ```
     /// use mser3d_spectral::{SolverUsed, SpectrumReport};

@@ -1,13 +1,13 @@
 //! The smallest eigenpairs by block Lanczos on `(A - sigma I)^(-1)` (Ericsson & Ruhe 1980).
 //!
 //! The inverse maps an eigenvalue `lambda` to `theta = 1 / (lambda - sigma)`. With the shift among the wanted
-//! eigenvalues, a little above their middle, those below it become the negative end of the spectrum, where there
-//! is nothing else, and those above it are spread twice as far as from a shift at zero: a third fewer columns
-//! in the basis, half the work. How many lie below the shift is known from the factorization (Sylvester's law
-//! of inertia), so none of them can be missed.
+//! eigenvalues, a little above their middle, those below it become the negative end of the spectrum, where
+//! there is nothing else, and those above it are spread twice as far as from a shift at zero: a third fewer
+//! columns in the basis, half the work. How many lie below the shift is known from the factorization
+//! (Sylvester's law of inertia), so none of them can be missed.
 //!
-//! A shift below the spectrum, by `V^(-2/3)` or `1/A`, is slower, but is exact to eigenvalues far smaller than
-//! the others. It serves where the other doesn't reach the tolerance.
+//! A shift below the spectrum, by `V^(-2/3)` or `1/A`, is slower, but is exact to eigenvalues far smaller
+//! than the others. It serves where the other doesn't reach the tolerance.
 
 use faer::Mat;
 use rayon::prelude::*;
@@ -26,12 +26,13 @@ use crate::standard_problem::StandardProblem;
 
 /// Columns added to the basis at a time. More find more copies at once, but need a larger basis.
 const BLOCK: usize = LANES;
-/// Wanted pairs from which on a shift among them is worth its search.
+/// From this many wanted pairs on, a shift among them is worth the search for it.
 const MANY: usize = 24;
 /// The part of the wanted eigenvalues to have below the shift, and the parts that will do.
 const SHARE: f64 = 0.55;
 const SHARES: std::ops::RangeInclusive<f64> = 0.4..=0.66;
-/// Eigenvalues nearest to the shift make a norm of thousands of times the smallest Ritz values.
+/// Overlap that blocks of the basis may keep for a while. It is small, because eigenvalues near the shift make
+/// the norm thousands of times larger than the smallest Ritz values.
 const OVERLAP: f64 = 1e-11;
 
 /// What to find.
@@ -55,13 +56,14 @@ pub(crate) fn inverse_eigenpairs(
     progress: &dyn Fn(usize) -> bool,
 ) -> Result<Pairs, SpectralError> {
     if let Some(inverse) = Inverse::among_wanted(problem, elimination, task.wanted) {
-        // Where it is slow, something is wrong with it.
+        // If more restarts are needed, something is wrong with the shift.
         let task = Task { max_restarts: task.max_restarts.min(3), ..*task };
-        let bound = problem.bound();
+        let bound = problem.bound;
         let good = |(&value, &r): (&f64, &f64)| r <= attainable(task.tolerance, bound, value);
         match inverse.eigenpairs(&task, progress) {
             Ok(pairs) if pairs.values.iter().zip(&pairs.residuals).all(good) => return Ok(pairs),
-            // A shift below all eigenvalues is exact to smaller ones, and tells for certain if any is negative.
+            // A shift below all eigenvalues is exact to smaller ones, and tells for certain if any is
+            // negative.
             Ok(_) | Err(SpectralError::Indefinite { .. }) => {}
             Err(error) => return Err(error),
         }
@@ -97,18 +99,20 @@ impl<'a> Inverse<'a> {
         }
     }
 
-    /// At a shift below the spectrum: well below the wanted eigenvalues (33 k^(2/3) V^(-2/3) by Weyl's law), but
-    /// so far that the matrix is well conditioned.
+    /// At a shift below the spectrum: well below the wanted eigenvalues (15 k^(2/3) V^(-2/3) by Weyl's law),
+    /// but so far that the matrix is well conditioned.
     fn below_all(
         problem: &'a StandardProblem,
         elimination: &'a Elimination<'_>,
     ) -> Result<Self, SpectralError> {
         let sigma = problem.lower_bound - problem.unit_eigenvalue;
         let factor = elimination.factor(sigma)?;
-        if factor.negative_pivots() > 0 {
-            return Err(SpectralError::Indefinite { eigenvalue: sigma });
+        match factor.negative_pivots() {
+            0 => Ok(Self { problem, factor, sigma, below: 0 }),
+            _ if sigma < 0.0 => Err(SpectralError::Indefinite { eigenvalue: sigma }),
+            // The lower bound is no better than rounding errors of huge entries.
+            _ => Err(SpectralError::NotFactored { shift: sigma }),
         }
-        Ok(Self { problem, factor, sigma, below: 0 })
     }
 
     /// `x = (A - sigma I)^(-1) x`, block by block.
@@ -147,8 +151,8 @@ impl<'a> Inverse<'a> {
         Ok(pairs)
     }
 
-    /// The step of inverse iteration multiplies what rounding left of one eigenvector in another, the more the
-    /// nearer that one is to the shift. So it is taken out of the farther of the two.
+    /// The step of inverse iteration multiplies what rounding left of one eigenvector in another, the more
+    /// the nearer that one is to the shift. So it is taken out of the farther of the two.
     fn separate(&self, vectors: &mut BlockMatrix, values: &[f64]) {
         let gram = vectors.gram(0..vectors.blocks().len(), vectors);
         let distance = |i: usize| (values[i] - self.sigma).abs();
@@ -183,8 +187,8 @@ impl<'a> Inverse<'a> {
             max_restarts,
             null_space,
         };
-        // A residual r of the inverse is one of r / theta^2 of A after the step of inverse iteration below. A floor
-        // where rounding ends all progress, because true residuals decide in the end.
+        // After the step of inverse iteration below, a residual r of the inverse means one of r / theta^2 of A.
+        // Below the floor of 1e-14 rounding ends all progress; true residuals decide in the end.
         let accept = |theta: f64, residual: f64| {
             let relative = (1.0 + self.sigma * theta).abs();
             residual <= theta.abs() * (0.9 * tolerance * relative).max(1e-14)
@@ -192,8 +196,8 @@ impl<'a> Inverse<'a> {
         };
         let mut ritz = lanczos.run(|x| self.apply(x), accept, |n| progress(zeros + n))?;
         // Lanczos leaves its residual, and the rounding errors of hundreds of columns, in directions that A
-        // multiplies. The inverse makes them small. Residuals of Ritz vectors are orthogonal to all of them, so
-        // this changes their scalar products only by the square of the residuals.
+        // multiplies. The inverse makes them small. Residuals of Ritz vectors are orthogonal to all of them,
+        // so this changes their scalar products only by the square of the residuals.
         self.apply(&mut ritz.vectors);
         ritz.vectors.divide_columns(&ritz.values);
         for value in &mut ritz.values {

@@ -21,15 +21,29 @@ use crate::{
     EigenpairRange, Eigensolver, SolverUsed, SpectralError, Spectrum, SpectrumParameters, SpectrumReport,
 };
 
-/// The smallest eigenpairs of a voxel grid's Laplacian ([`mser3d_laplace::grid_laplacian`]), by the solver that
-/// suits it: where there are more than about a hundred voxels for each eigenpair, the polynomial filter, which needs
-/// no matrix.
+/// The smallest eigenpairs of a voxel grid's Laplacian ([`mser3d_laplace::grid_laplacian`]), by the solver
+/// that suits it: where there are more than about a hundred voxels for each eigenpair, the polynomial filter,
+/// which needs no matrix.
 ///
-/// Cost of the filter, measured: `9.5 n^(4/3) k^(2/3)` stencil updates of 0.25 to 0.5 ns and `20 n k^2` flops;
-/// memory for about 2.5 k vectors. `progress` as in [`smallest_eigenpairs`].
+/// Cost of the filter, measured: `9.5 n^(4/3) k^(2/3)` stencil updates of 0.25 to 0.5 ns and `20 n k^2`
+/// flops; memory for about 2.5 k vectors. `progress` as in [`crate::smallest_eigenpairs`].
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use mser3d_shape::{BitGrid, Frame, VoxelGrid};
+/// use mser3d_spectral::{EigenpairRange, SpectrumParameters, smallest_eigenpairs_of_grid};
+///
+/// // All eigenpairs of a cube of side 1 with lambda V^(2/3) below 15: 0, and three near pi^2.
+/// let frame = Frame::new([8; 3], [0.0; 3], [0.125; 3])?;
+/// let cube = VoxelGrid::solid(frame, BitGrid::full(frame.dims())?)?;
+/// let parameters = SpectrumParameters { eigenpairs: EigenpairRange::LambdaMax(15.0), ..Default::default() };
+/// let spectrum = smallest_eigenpairs_of_grid(&cube, &parameters, &|_| ControlFlow::Continue(()))?;
+/// assert_eq!(spectrum.basis.eigenvalues().len(), 4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
-/// As [`smallest_eigenpairs`].
+/// As [`crate::smallest_eigenpairs`].
 pub fn smallest_eigenpairs_of_grid(
     grid: &VoxelGrid,
     parameters: &SpectrumParameters,
@@ -91,7 +105,8 @@ fn connected_grid_eigenpairs(
     }
     check_memory(parameters.memory_limit, format!("{k} eigenpairs"), n, n * filter_columns(k) + 8 * n)?;
     let found = filtered_eigenpairs(grid, k, parameters, progress)?;
-    // With the inverse, copies that a block cannot see are searched for; here they are not. Shapes with so many are rare.
+    // With the inverse, copies that a block cannot see are searched for; here they are not. Shapes with so
+    // many are rare.
     if may_hide_copies(&found.values, LANES) {
         return connected_eigenpairs(&grid_laplacian(grid), k, parameters, progress);
     }
@@ -132,8 +147,8 @@ fn connected_grid_eigenpairs(
     Ok(Spectrum { basis, report })
 }
 
-/// Columns of n numbers that the filter holds at its peak: the basis with a block's image and work space, or the
-/// eigenvectors twice.
+/// Columns of n numbers that the filter holds at its peak: the basis with a block's image and work space, or
+/// the eigenvectors twice.
 fn filter_columns(k: usize) -> usize {
     (basis_columns(k) + 6 * LANES).max(2 * k + LANES)
 }

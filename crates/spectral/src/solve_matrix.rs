@@ -21,20 +21,21 @@ use crate::{EigenpairRange, SolverUsed, SpectralError, Spectrum, SpectrumParamet
 /// Most rows for which a dense solver is faster than any iteration.
 const DENSE_ROWS: usize = 400;
 
-/// The smallest eigenpairs of `W phi = lambda M phi`, for any [`Operator`]: the Laplacian of a shape, or a symmetric
-/// positive semidefinite matrix of your own ([`Operator::new`]).
+/// The smallest eigenpairs of `W phi = lambda M phi`, for any [`Operator`]: the Laplacian of a shape, or a
+/// symmetric positive semidefinite matrix of your own ([`Operator::new`]).
 ///
-/// A component whose rows of W sum to zero (a Neumann boundary, a closed surface) has the constant as its exact zero
-/// mode. On any other (a Dirichlet boundary, a potential) all eigenpairs are computed.
+/// A component whose rows of W sum to zero (a Neumann boundary, a closed surface) has the constant as its
+/// exact zero mode. On any other (a Dirichlet boundary, a potential) all eigenpairs are computed.
 ///
 /// `progress` is called now and then with the number of converged eigenpairs, at the end with that of all. It
 /// cancels the work by returning `Break`.
 ///
-/// Cost of k eigenpairs of n rows: a few sparse factorizations, about 3 k solves, and `O(n k^2)` for orthogonality.
+/// Cost of k eigenpairs of n rows: a few sparse factorizations, about 3 k solves, and `O(n k^2)` for
+/// orthogonality.
 ///
 /// # Errors
-/// [`SpectralError`]: parameters out of range, more eigenpairs than rows, too much memory, a negative eigenvalue,
-/// no convergence, a breakdown of the factorization, or cancellation.
+/// [`SpectralError`]: parameters out of range, more eigenpairs than rows, too much memory, a negative
+/// eigenvalue, no convergence, a breakdown of the factorization, or cancellation.
 pub fn smallest_eigenpairs(
     operator: &Operator,
     parameters: &SpectrumParameters,
@@ -84,7 +85,7 @@ pub(crate) fn connected_eigenpairs(
 ) -> Result<Spectrum, SpectralError> {
     let problem = StandardProblem::new(operator);
     let n = problem.len();
-    check_size(problem.unit_eigenvalue, problem.bound())?;
+    check_size(problem.unit_eigenvalue, problem.bound)?;
     let zeros = problem.null_space.len().min(k);
     let wanted = k - zeros;
     let columns = basis_columns(wanted) + 2 * LANES;
@@ -97,7 +98,7 @@ pub(crate) fn connected_eigenpairs(
     }
     let solver = SolverUsed::ShiftInvert;
     if wanted == 0 {
-        let negative = -NEGATIVE * problem.bound();
+        let negative = -NEGATIVE * problem.bound;
         if !operator.is_known_semidefinite() && count_below(operator, negative, parameters.memory_limit)? > 0
         {
             return Err(SpectralError::Indefinite { eigenvalue: negative });

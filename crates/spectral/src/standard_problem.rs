@@ -18,7 +18,8 @@ pub(crate) struct StandardProblem {
     pub active: Vec<u32>,
     /// M^(1/2) of each row.
     pub root_mass: Vec<f64>,
-    /// A by rows (it is symmetric): start of each row, columns ascending with the diagonal among them, values.
+    /// A by rows (it is symmetric): start of each row, columns ascending with the diagonal among them,
+    /// values.
     pub starts: Vec<usize>,
     pub columns: Vec<usize>,
     pub values: Vec<f64>,
@@ -29,6 +30,8 @@ pub(crate) struct StandardProblem {
     pub dimension: u32,
     /// No eigenvalue lies below this if A is positive semidefinite: 0, or more by Gershgorin's circles.
     pub lower_bound: f64,
+    /// No eigenvalue lies above this, by Gershgorin's circles.
+    pub bound: f64,
 }
 
 /// `V^(-2/3)` of a volume, `1/A` of a surface.
@@ -46,33 +49,22 @@ impl StandardProblem {
         }
         let root_mass: Vec<f64> = active.iter().map(|&v| operator.mass()[v as usize].sqrt()).collect();
         let (mut starts, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
-        let mut lower_bound = f64::INFINITY;
         for (at, &v) in active.iter().enumerate() {
-            let entries = operator.stiffness().outer_view(v as usize);
-            let entries = entries.iter().flat_map(|row| row.iter()).map(|(u, &w)| (position[u], w));
-            let (mut diagonal, mut rest) = (None, 0.0);
-            for (u, w) in entries.filter(|&(u, _)| u != usize::MAX) {
-                let value = w / (root_mass[at] * root_mass[u]);
-                if u > at && diagonal.is_none() {
-                    // A shift needs a place, in a row of zeros too.
-                    diagonal = Some(0.0);
-                    columns.push(at);
-                    values.push(0.0);
+            let first = columns.len();
+            for (u, &w) in operator.stiffness().outer_view(v as usize).iter().flat_map(|row| row.iter()) {
+                if position[u] != usize::MAX {
+                    columns.push(position[u]);
+                    values.push(w / (root_mass[at] * root_mass[position[u]]));
                 }
-                match u == at {
-                    true => diagonal = Some(value),
-                    false => rest += value.abs(),
-                }
-                columns.push(u);
-                values.push(value);
             }
-            if diagonal.is_none() {
-                columns.push(at);
-                values.push(0.0);
+            // A shift needs a place on the diagonal, in a row of zeros too.
+            if let Err(place) = columns[first..].binary_search(&at) {
+                columns.insert(first + place, at);
+                values.insert(first + place, 0.0);
             }
-            lower_bound = f64::min(lower_bound, diagonal.unwrap_or(0.0) - rest);
             starts.push(columns.len());
         }
+        let [lowest, bound] = gershgorin(&starts, &columns, &values);
         let parts = operator.components();
         let labels: Vec<u32> = active.iter().map(|&v| parts.labels[v as usize]).collect();
         let mut sums_to_zero = vec![true; parts.len()];
@@ -80,10 +72,7 @@ impl StandardProblem {
             sums_to_zero[label as usize] &= operator.sums_to_zero(row);
         }
         let null_space = NullSpace::new(&labels, &root_mass, |label| sums_to_zero[label as usize]);
-        if null_space.len() > 0 || !lower_bound.is_finite() {
-            lower_bound = 0.0;
-        }
-        let lower_bound = lower_bound.max(0.0);
+        let lower_bound = if null_space.len() > 0 { 0.0 } else { lowest };
         let measure: f64 = operator.mass().iter().sum();
         let dimension = operator.domain().dimension();
         let unit_eigenvalue = unit_eigenvalue(operator.domain(), measure);
@@ -97,6 +86,7 @@ impl StandardProblem {
             unit_eigenvalue,
             dimension,
             lower_bound,
+            bound,
         }
     }
 
@@ -105,7 +95,7 @@ impl StandardProblem {
     /// # Errors
     /// [`SpectralError::Indefinite`] if it is negative beyond rounding.
     pub fn check_semidefinite(&self, eigenvalue: f64) -> Result<(), SpectralError> {
-        if eigenvalue < -NEGATIVE * self.bound() {
+        if eigenvalue < -NEGATIVE * self.bound {
             return Err(SpectralError::Indefinite { eigenvalue });
         }
         Ok(())
@@ -113,13 +103,6 @@ impl StandardProblem {
 
     pub fn len(&self) -> usize {
         self.active.len()
-    }
-
-    /// An upper bound of the spectrum (Gershgorin).
-    pub fn bound(&self) -> f64 {
-        let row =
-            |row: usize| self.values[self.starts[row]..self.starts[row + 1]].iter().map(|v| v.abs()).sum();
-        (0..self.len()).map(row).fold(0.0, f64::max)
     }
 
     /// `y = A x`.
@@ -159,4 +142,19 @@ impl StandardProblem {
         Eigenbasis::new(operator.domain(), operator.mass().to_vec(), eigenvalues.collect(), functions)
             .map_err(|_| SpectralError::Overflow)
     }
+}
+
+/// The lower end of Gershgorin's circles of all rows, or 0 if it is less, and the upper end of those around
+/// 0.
+fn gershgorin(starts: &[usize], columns: &[usize], values: &[f64]) -> [f64; 2] {
+    let (mut lowest, mut highest) = (f64::INFINITY, 0.0f64);
+    for (row, ends) in starts.windows(2).enumerate() {
+        let (mut low, mut size) = (0.0, 0.0);
+        for (&column, &value) in columns[ends[0]..ends[1]].iter().zip(&values[ends[0]..ends[1]]) {
+            low += if column == row { value } else { -value.abs() };
+            size += value.abs();
+        }
+        (lowest, highest) = (lowest.min(low), highest.max(size));
+    }
+    [if lowest.is_finite() { lowest.max(0.0) } else { 0.0 }, highest]
 }

@@ -9,27 +9,27 @@ use pulp::Simd;
 
 use crate::kernels::{LANES, Lanes};
 
-/// The grid Laplacian with its voxels reordered: slices across the solid's longest axis, in them lines along the
-/// second longest.
+/// The grid Laplacian with its voxels reordered: slices across the solid's longest axis, in them lines along
+/// the second longest.
 ///
 /// Slices across the longest axis are the smallest, so that many fit in a cache. Long lines make long runs of
-/// rows that are treated alike: no index is read for each row, and no row is loaded twice as a neighbour along
-/// the line. That is what the time goes into, not the arithmetic.
+/// rows that are treated alike: no index is read for each row, and no row is loaded twice as a neighbour
+/// along the line. That is what the time goes into, not the arithmetic.
 pub(crate) struct SlicedStencil {
     runs: Vec<Run>,
     /// First run of each line, line by line of slice by slice, and the number of runs.
     line_starts: Vec<u32>,
     /// Lines of a slice.
     lines: usize,
-    /// 1/h^2 along the line and across it.
+    /// 1/h^2 along the line, across slices, and across lines of a slice.
     weights: [f64; 3],
     /// The voxel of each row.
     pub order: Vec<u32>,
     bound: f64,
 }
 
-/// Rows that are linked along their line, and whose neighbours across it follow each other as they do. A missing
-/// neighbour is the row itself, as in [`GridStencil`].
+/// Rows that are linked along their line, and whose neighbours across it follow each other as they do. A
+/// missing neighbour is the row itself, as in [`GridStencil`].
 #[derive(Clone, Copy)]
 struct Run {
     start: u32,
@@ -40,7 +40,7 @@ struct Run {
     across: [u32; 4],
 }
 
-/// `y <- a A x + x x + previous y`: a step of a three-term recurrence.
+/// `y <- step.a A x + step.x x + step.previous y`: a step of a three-term recurrence.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Step {
     pub a: f64,

@@ -1,16 +1,16 @@
 //! Several steps of a recurrence on a stencil in one pass over memory (temporal blocking).
 //!
-//! A step at a slice needs the step before it at this slice and the two beside it. So the steps can follow each
-//! other through the slices, one slice apart, like waves: while `s` steps run, `s + 2` slices are in use, and if
-//! these fit in a cache, memory is read once for `s` steps (wavefronts: Wonnacott 2000; Malas, Hager, Ltaief,
-//! Stengel, Wellein & Keyes 2015).
+//! A step at a slice needs the step before it at this slice and the two beside it. So the steps can follow
+//! each other through the slices, one slice apart, like waves: while `s` steps run, `s + 2` slices are in
+//! use, and if these fit in a cache, memory is read once for `s` steps (wavefronts: Wonnacott 2000; Malas,
+//! Hager, Ltaief, Stengel, Wellein & Keyes 2015).
 //!
-//! Where slices are too large for that, they are tiled: a tile is some lines of all slices, moved one line
-//! back with each step. Step s of tile j works on the lines `[j w - s, (j + 1) w - s)`. At step s - 1 the line
-//! after any of these belongs to the same tile, where it was reached earlier in the wave, and the line
-//! before to the same or the tile before. So tiles one after the other find all they need. Nor is it lost: the
-//! two buffers take turns, so step s overwrites what step s - 2 left in its own row, and whoever needed that
-//! was needed by step s.
+//! Where slices are too large for that, they are tiled: a tile is w lines of all slices, moved one line
+//! back with each step. Step s of tile j works on the lines `[j w - s, (j + 1) w - s)`. At step s - 1 the
+//! line after any of these belongs to the same tile, where it was reached earlier in the wave, and the line
+//! before to the same or the tile before. So tiles one after the other find all they need. Nothing is
+//! overwritten too early either: the two buffers take turns, so step s overwrites what step s - 2 left in its
+//! own row, and all steps that read it have run, as step s needed their results.
 
 use std::ops::Range;
 
@@ -20,12 +20,13 @@ use rayon::prelude::*;
 use crate::kernels::Lanes;
 use crate::stencil::{SlicedStencil, Step};
 
-/// Bytes that the slices of a wave may fill of a core's second-level cache, where they stay without being asked
-/// for, and of its share of the third-level cache.
+/// Bytes that the slices of a wave may fill of a core's second-level cache, where they stay without being
+/// asked for, and of its share of the third-level cache.
 const WAVE_BYTES: [usize; 2] = [400 << 10, 6 << 20];
 /// Bytes that the steps of a tile may fill: part of them lie in the second-level cache.
 const TILE_BYTES: usize = 2 << 20;
-/// Fewer steps in the second-level cache than in the third are worth it; more than the most gain nothing.
+/// Fewer steps together than these are not worth it in the second-level cache and in the third; more than the
+/// most gain nothing.
 const FEWEST_STEPS: [usize; 2] = [4, 8];
 const MOST_STEPS: usize = 16;
 
@@ -54,7 +55,8 @@ impl Tiling {
     }
 }
 
-/// Runs at most `tiling.steps` steps on all rows; the first reads `first`. Up to `parts` threads share the slices.
+/// Runs at most `tiling.steps` steps on all rows; the first reads `first`. Up to `parts` threads share the
+/// slices.
 ///
 /// Between two cuts a thread can go on alone, if it leaves out one more slice at a cut with each step; what
 /// was left out follows when both sides have come that far.
@@ -151,7 +153,8 @@ impl Waves<'_> {
     }
 }
 
-/// One thread's part, as pulp wants it: `WithSimd` compiles it for each instruction set. Both buffers hold the rows of its region only.
+/// One thread's part, as pulp wants it: `WithSimd` compiles it for each instruction set. Both buffers hold
+/// the rows of its region only.
 struct Part<'a> {
     waves: Waves<'a>,
     region: Region,

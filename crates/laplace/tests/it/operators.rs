@@ -140,7 +140,8 @@ fn two(entries: [[f64; 2]; 2], mass: [f64; 2]) -> Result<Operator, LaplaceError>
 
 #[test]
 fn any_symmetric_matrix_is_an_operator_and_no_other() {
-    // Free ends, held ends, one end held by a millionth, not known to be semidefinite though it is, indefinite.
+    // Free ends, held ends, one end held by a millionth, not known to be semidefinite though it is,
+    // indefinite.
     for (entries, sums_to_zero, known) in [
         ([[1.0, -1.0], [-1.0, 1.0]], [true, true], true),
         ([[2.0, -1.0], [-1.0, 2.0]], [false, false], true),

@@ -328,8 +328,8 @@ fn copies_of_one_body_multiply_its_eigenvalues() {
 
 #[test]
 fn more_copies_of_an_eigenvalue_than_a_block_has_columns() {
-    // A fishbone: 40 ribs of 31 voxels across a spine. Waves that are odd along a rib vanish at the spine, so each rib
-    // has its own: every such eigenvalue is 40-fold.
+    // A fishbone: 40 ribs of 31 voxels across a spine. Waves that are odd along a rib vanish at the spine, so
+    // each rib has its own: every such eigenvalue is 40-fold.
     let grid = solid([79, 31, 1], [1.0; 3], |v| v[1] == 15 || v[0] % 2 == 0);
     assert_none(&faults_of_grid("fishbone", &grid, &[30, 60, 100]));
     // A book: 24 pages bound at one edge. Waves that vanish at the spine are 23-fold at least.

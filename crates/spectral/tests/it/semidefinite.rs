@@ -9,7 +9,8 @@ use mser3d_spectral::{
     EigenpairRange, SolverUsed, SpectralError, Spectrum, SpectrumParameters, count_below, smallest_eigenpairs,
 };
 
-/// The Laplacian of a box of cells of size 1 plus a potential. The wall is held at 0 (Dirichlet), or free (Neumann).
+/// The Laplacian of a box of cells of size 1 plus a potential. The wall is held at 0 (Dirichlet), or free
+/// (Neumann).
 #[derive(Clone, Copy)]
 struct Room {
     dims: [usize; 3],
@@ -30,8 +31,8 @@ impl Room {
         self.dims.iter().product()
     }
 
-    /// All eigenvalues, ascending: sums of 2 - 2 cos(pi i / n) with i from 0, or of 2 - 2 cos(pi i / (n + 1)) with i
-    /// from 1, along each axis.
+    /// All eigenvalues, ascending: sums of 2 - 2 cos(pi i / n) with i from 0, or of 2 - 2 cos(pi i / (n + 1))
+    /// with i from 1, along each axis.
     fn spectrum(self) -> Vec<f64> {
         let first = usize::from(self.held);
         let axis = |n: usize| {
@@ -45,8 +46,8 @@ impl Room {
     }
 }
 
-/// Rooms side by side, not linked, with a mass of `mass` for each cell. Row v is multiplied by `sign(v)`, and so is
-/// column v: that changes eigenfunctions, but no eigenvalue.
+/// Rooms side by side, not linked, with a mass of `mass` for each cell. Row v is multiplied by `sign(v)`, and
+/// so is column v: that changes eigenfunctions, but no eigenvalue.
 fn operator(rooms: &[Room], mass: f64, sign: impl Fn(usize) -> f64) -> Operator {
     let n = rooms.iter().map(|room| room.len()).sum();
     let mut stiffness = TriMat::new((n, n));

@@ -1,0 +1,43 @@
+//! Rayleigh quotients and residuals of vectors on a grid.
+
+use rayon::prelude::*;
+
+use crate::kernels::{Block, LANES, Lanes};
+use crate::stencil::{SlicedStencil, Step};
+use crate::temporal_blocking::{self, Tiling};
+
+/// Rows that a thread sums up at a time.
+const SUMMED_ROWS: usize = 1 << 13;
+
+/// `x^T A x` of each column of some blocks and `|A x - lambda x| / lambda`; `work` holds rubbish afterwards.
+pub(crate) fn rayleigh_quotients(
+    stencil: &SlicedStencil,
+    blocks: &mut [Block],
+    work: &mut Block,
+) -> (Vec<f64>, Vec<f64>) {
+    let once = [Step { a: 1.0, x: 0.0, previous: 0.0 }];
+    let tiling = Tiling::new(stencil);
+    let (mut values, mut residuals) = (Vec::new(), Vec::new());
+    for block in blocks {
+        work.resize(block.len(), Lanes::ZERO);
+        temporal_blocking::run(stencil, tiling, rayon::current_num_threads(), &once, block, work);
+        let energy = sum_over_rows(block, work, |x, y, _| x * y);
+        let square = sum_over_rows(block, work, |x, y, l| (y - energy[l] * x).powi(2));
+        values.extend(energy);
+        residuals.extend((0..LANES).map(|l| square[l].sqrt() / energy[l].max(f64::MIN_POSITIVE)));
+    }
+    (values, residuals)
+}
+
+/// The sum over all rows of a term in the entries x and y of each lane.
+fn sum_over_rows(x: &Block, y: &Block, term: impl Fn(f64, f64, usize) -> f64 + Sync) -> [f64; LANES] {
+    let partial = |(x, y): (&[Lanes], &[Lanes])| {
+        let mut sums = [0.0; LANES];
+        for (x, y) in x.iter().zip(y) {
+            (0..LANES).for_each(|l| sums[l] += term(x.0[l], y.0[l], l));
+        }
+        sums
+    };
+    let partials: Vec<_> = x.par_chunks(SUMMED_ROWS).zip(y.par_chunks(SUMMED_ROWS)).map(partial).collect();
+    partials.iter().fold([0.0; LANES], |sums, part| std::array::from_fn(|l| sums[l] + part[l]))
+}
