@@ -31,6 +31,7 @@ pub fn batch_and_match(shapes: &Path, collection: &Path) -> Result<usize, Box<dy
     Ok(matching.matches.len())
 }
 
+/// Runs the example.
 pub fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args().nth(1).ok_or("give a folder of meshes")?;
     batch_and_match(folder.as_ref(), &Path::new(&folder).join("results"))?;

@@ -32,7 +32,7 @@ pub enum CacheUse {
 }
 
 /// Changes whenever the same parameters would give another spectrum or its file another layout.
-const GENERATION: &str = concat!("mser3d spectrum 1, version ", env!("CARGO_PKG_VERSION"));
+const GENERATION: &str = concat!("mser3d spectrum 2, version ", env!("CARGO_PKG_VERSION"));
 
 impl SpectrumCache {
     /// A cache in a folder, which is made if it is not there.
@@ -171,7 +171,8 @@ fn read(path: &Path, key: &[u8], shape: &DiscreteShape) -> Result<Spectrum, Opti
             return None;
         }
         let functions = functions.into_owned();
-        let basis = Eigenbasis::new(shape.domain(), mass.into_owned(), eigenvalues.into_owned(), functions).ok()?;
+        let basis =
+            Eigenbasis::new(shape.domain(), mass.into_owned(), eigenvalues.into_owned(), functions).ok()?;
         let count = |n: i64| usize::try_from(n).ok();
         let mut report = SpectrumReport::new(solver);
         [report.iterations, report.applications, report.zero_modes] =
@@ -191,7 +192,10 @@ mod tests {
     fn bar(length: usize) -> DiscreteShape {
         let dims = [4, 5, length];
         let frame = Frame::new(dims, [0.0; 3], [0.5; 3]).unwrap();
-        DiscreteShape::solid(VoxelGrid::solid(frame, BitGrid::full(dims).unwrap()).unwrap(), Connectivity::Six)
+        DiscreteShape::solid(
+            VoxelGrid::solid(frame, BitGrid::full(dims).unwrap()).unwrap(),
+            Connectivity::Six,
+        )
     }
 
     fn parameters() -> SpectrumParameters {
@@ -204,7 +208,11 @@ mod tests {
         numbers.iter().map(|x| x.to_bits()).collect()
     }
 
-    fn ask(cache: &SpectrumCache, shape: &DiscreteShape, parameters: &SpectrumParameters) -> (Spectrum, CacheUse) {
+    fn ask(
+        cache: &SpectrumCache,
+        shape: &DiscreteShape,
+        parameters: &SpectrumParameters,
+    ) -> (Spectrum, CacheUse) {
         cache.spectrum(shape, parameters, mser3d::NO_PROGRESS).unwrap()
     }
 

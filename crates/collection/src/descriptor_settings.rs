@@ -91,7 +91,12 @@ mod tests {
     use super::*;
     use mser3d::DescriptorKind;
 
-    fn settings(eigenpairs: usize, kind: DescriptorKind, measure: f64, own_measure: bool) -> DescriptorSettings {
+    fn settings(
+        eigenpairs: usize,
+        kind: DescriptorKind,
+        measure: f64,
+        own_measure: bool,
+    ) -> DescriptorSettings {
         DescriptorSettings {
             domain: Domain::Volume,
             eigenpairs: eigenpairs.into(),
@@ -116,6 +121,8 @@ mod tests {
         let ours = settings(100, DescriptorKind::SiHks, 5.0, true);
         assert_eq!(ours.caution(&settings(100, DescriptorKind::SiHks, 5.0 + 1e-13, false)), None);
         assert_eq!(ours.caution(&settings(100, DescriptorKind::SiHks, 2.0, true)), None);
-        assert!(ours.caution(&settings(100, DescriptorKind::SiHks, 2.0, false)).unwrap().contains("(5 and 2)"));
+        assert!(
+            ours.caution(&settings(100, DescriptorKind::SiHks, 2.0, false)).unwrap().contains("(5 and 2)")
+        );
     }
 }

@@ -16,7 +16,11 @@ fn figure(bent: bool) -> Result<VoxelGrid, Box<dyn Error>> {
         let block = (16..28).contains(&x) && y < 12;
         let thick = x >= 28 && (3..9).contains(&y) && (3..9).contains(&z);
         let thin = (4..7).contains(&z)
-            && if bent { (16..19).contains(&x) && (12..28).contains(&y) } else { x < 16 && (4..7).contains(&y) };
+            && if bent {
+                (16..19).contains(&x) && (12..28).contains(&y)
+            } else {
+                x < 16 && (4..7).contains(&y)
+            };
         inside.set([x, y, z], block || thick || thin);
     }
     Ok(VoxelGrid::solid(Frame::new(dims, [0.0; 3], [0.5; 3])?, inside)?)
@@ -28,6 +32,7 @@ fn detect(solid: &VoxelGrid) -> Result<Features, mser3d::Error> {
     Detector::new(parameters).detect(Input::Solid(solid))
 }
 
+/// Runs the example.
 pub fn main() -> Result<(), Box<dyn Error>> {
     let (straight, bent) = (detect(&figure(false)?)?, detect(&figure(true)?)?);
     for (number, region) in straight.regions.iter().enumerate() {

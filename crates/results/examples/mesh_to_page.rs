@@ -39,6 +39,7 @@ fn dumbbell() -> Result<TriangleMesh, mser3d::shape::ShapeError> {
     TriangleMesh::new(points, triangles)
 }
 
+/// Runs the example.
 pub fn main() -> Result<(), Box<dyn Error>> {
     let mesh = dumbbell()?;
     let mut parameters = Parameters::default();

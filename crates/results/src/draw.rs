@@ -1,8 +1,8 @@
 use mser3d::comptree::Polarity;
 use mser3d::descriptors::TimeScale;
 use mser3d_viewer::{
-    Colours, Cut, Image, Model, NO_REGION, PageData, PageRegion, PageShape, PageTree, Panel,
-    RenderOptions, Rgb, Up, View, ViewerError, linked_colours, page, render,
+    Colours, Cut, Image, Model, NO_REGION, PageData, PageRegion, PageShape, PageTree, Panel, RenderOptions,
+    Rgb, Up, View, ViewerError, linked_colours, page, render,
 };
 
 use crate::{Results, ResultsError};

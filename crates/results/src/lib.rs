@@ -73,9 +73,7 @@ pub use error::ResultsError;
 pub use folder::ResultsFolder;
 pub use inspect::{Inspection, MaskRecord};
 pub use mser3d_viewer::{Image, RenderOptions, Up};
-pub use record::{
-    FORMAT, InputRecord, Record, RegionRecord, SpectrumRecord, TreeRecord, VoxelizationRecord,
-};
+pub use record::{FORMAT, InputRecord, Record, RegionRecord, SpectrumRecord, TreeRecord, VoxelizationRecord};
 pub use results::{Results, TreeArrays};
 pub use shape_file::{Contents, ShapeFile};
 

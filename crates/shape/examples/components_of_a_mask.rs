@@ -6,6 +6,7 @@ use std::error::Error;
 
 use mser3d_shape::{BitGrid, Frame, IndexSet, VoxelGrid};
 
+/// Runs the example.
 pub fn main() -> Result<(), Box<dyn Error>> {
     // Two balls in a box of 30 x 14 x 14 voxels of 2 mm.
     let frame = Frame::new([30, 14, 14], [0.0; 3], [2.0; 3])?;

@@ -2,8 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use mser3d::shape::TriangleMesh;
 use mser3d::shape::Choice;
+use mser3d::shape::TriangleMesh;
 use mser3d::{Detector, DiscreteShape, Error, Features, Input, NO_PROGRESS, Stage, Weight, find_regions};
 use mser3d_tests::{coarse, features, fixture, solid_features};
 

@@ -1,6 +1,5 @@
 //! `match`, `batch` and `query`, and the cache of spectra.
 
-
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,5 @@
 //! The documentation says what the program does: its commands run, its options exist.
 
-
-
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,6 +1,5 @@
 //! Wrong use, bad input, and places that cannot be written to.
 
-
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};

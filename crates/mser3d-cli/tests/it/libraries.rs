@@ -29,7 +29,8 @@ fn a_folder_of_the_library_is_viewed_rendered_matched_exported_and_searched() {
     let folder = tempfile::tempdir().unwrap();
     let mut paths = Vec::new();
     for pose in ["rest", "walk"] {
-        let mesh = read_mesh(&fixtures().join(format!("human_{pose}.off")), &Default::default()).unwrap().mesh;
+        let mesh =
+            read_mesh(&fixtures().join(format!("human_{pose}.off")), &Default::default()).unwrap().mesh;
         let features = Detector::new(parameters()).detect(Input::Volume(&mesh)).unwrap();
         let path = folder.path().join(pose);
         // Nothing but the mesh in memory and a word for it.

@@ -34,7 +34,9 @@ fn entry<'a>(help: &'a str, option: &str) -> Vec<&'a str> {
     let lines = help.lines().skip_while(|line| !line.trim_start().starts_with(&format!("{option} ")));
     let is_option = |line: &&str| line.trim_start().starts_with("--") || line.trim_start().starts_with('-');
     let first = lines.clone().take(1);
-    first.chain(lines.skip(1).take_while(|line| !is_option(line) || line.trim_start().starts_with("- "))).collect()
+    first
+        .chain(lines.skip(1).take_while(|line| !is_option(line) || line.trim_start().starts_with("- ")))
+        .collect()
 }
 
 fn page(name: &str) -> String {

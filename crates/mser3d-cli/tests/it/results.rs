@@ -1,6 +1,5 @@
 //! What `detect` writes, and what `inspect` says.
 
-
 use std::collections::{BTreeMap, HashSet};
 use std::fs;
 use std::path::Path;

@@ -1,6 +1,5 @@
 //! What surrounds the commands: completions, manual pages, the version and the log.
 
-
 use std::fs;
 use std::process::{Command, Output};
 

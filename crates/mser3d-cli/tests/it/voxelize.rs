@@ -1,6 +1,5 @@
 //! `mser3d voxelize`, and masks that come back as solids.
 
-
 use crate::common::*;
 use mser3d_volumeio::read_volume;
 use std::path::Path;

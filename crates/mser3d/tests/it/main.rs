@@ -180,7 +180,10 @@ fn an_input_of_another_size_gets_the_scale_of_the_first() {
     // Of a solid that is voxels, the measure alone: its voxels have their size.
     let grid = first.shape.grid().unwrap();
     let of_solid = parameters().with_scale_of(Input::Solid(grid)).unwrap();
-    assert_eq!((of_solid.reference_measure, of_solid.voxelize.pitch), (Some(grid.volume()), Pitch::Voxels(3000)));
+    assert_eq!(
+        (of_solid.reference_measure, of_solid.voxelize.pitch),
+        (Some(grid.volume()), Pitch::Voxels(3000))
+    );
     let shape = DiscreteShape::solid(grid.clone(), Connectivity::Six);
     assert_eq!(of_solid.estimate(&Input::Shape(Box::new(shape))).elements, grid.len());
 }

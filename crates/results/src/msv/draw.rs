@@ -63,9 +63,11 @@ impl MsvResults {
             fact("voxels", format!("{x} x {y} x {z}")),
             fact("mser3d", self.record.mser3d.clone()),
         ];
-        facts.extend(self.record.searches.iter().map(|search| {
-            fact(&format!("{} regions", search.contrast), search.regions.len().to_string())
-        }));
+        facts.extend(
+            self.record.searches.iter().map(|search| {
+                fact(&format!("{} regions", search.contrast), search.regions.len().to_string())
+            }),
+        );
         let shape = PageShape {
             name: self.name(),
             mesh: &drawn.mesh,

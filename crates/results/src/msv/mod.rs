@@ -50,7 +50,8 @@ impl MsvSearchParameters {
     }
 
     fn msv(&self, volume: &Volume) -> MsvParameters {
-        let integers = volume.channels() == 1 && !matches!(volume.samples(), Samples::F32(_) | Samples::F64(_));
+        let integers =
+            volume.channels() == 1 && !matches!(volume.samples(), Samples::F32(_) | Samples::F64(_));
         let delta = self.delta.unwrap_or_else(|| if integers { 5.0 } else { 0.02 * range(volume) });
         MsvParameters { delta, step: if integers { 1.0 } else { delta }, ..self.msv.clone() }
     }
@@ -79,11 +80,7 @@ impl MsvResults {
     ///
     /// # Errors
     /// [`ResultsError::Tree`] for parameters out of range, and for grey contrasts of a volume of several channels.
-    pub fn find(
-        volume: &Volume,
-        path: &str,
-        parameters: &MsvSearchParameters,
-    ) -> Result<Self, ResultsError> {
+    pub fn find(volume: &Volume, path: &str, parameters: &MsvSearchParameters) -> Result<Self, ResultsError> {
         let msv = parameters.msv(volume);
         msv.validate()?;
         let contrasts = parameters.contrasts(volume);
