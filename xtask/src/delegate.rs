@@ -29,3 +29,21 @@ pub fn run(command: &str, arguments: &Arguments) -> Result<ExitCode, Box<dyn Err
     let code = status.code().and_then(|code| u8::try_from(code).ok());
     Ok(code.map_or(ExitCode::FAILURE, ExitCode::from))
 }
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Command {
+        #[command(flatten)]
+        arguments: super::Arguments,
+    }
+
+    #[test]
+    fn everything_is_handed_on() {
+        let given = ["--help", "-o", "out", "--", "x"];
+        let command = Command::try_parse_from(["figures"].iter().chain(&given)).unwrap();
+        assert_eq!(command.arguments.rest, given);
+    }
+}
