@@ -8,11 +8,11 @@ use mser3d::{Detector, Domain};
 use mser3d_fileio::write_text;
 use mser3d_results::{Record, Results};
 use mser3d_shape::InvalidParameter;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use crate::budget::Budget;
 use crate::folder::CollectionFolder;
-use crate::{CollectionError, Job, Shard, Tables, tables};
+use crate::{CollectionError, Failure, Job, Shard, Tables, tables};
 
 /// How a batch runs.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,22 +29,6 @@ impl Default for BatchParameters {
     fn default() -> Self {
         Self { workers: 1, memory: u64::MAX, shard: None }
     }
-}
-
-/// A shape without a result: what `failure.json` in its folder says, and `failures.json` of all.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[non_exhaustive]
-pub struct Failure {
-    /// Its name in the collection.
-    pub name: String,
-    /// The file.
-    pub path: String,
-    /// The glTF animation that poses it.
-    pub animation: Option<String>,
-    /// When in the animation, in seconds.
-    pub time: f64,
-    /// Why there is no result.
-    pub error: String,
 }
 
 /// What became of a shape.
@@ -151,7 +135,7 @@ pub fn run_batch(
         match outcome.into_inner().unwrap_or_else(PoisonError::into_inner) {
             Some(Outcome::Done) => summary.computed += 1,
             Some(Outcome::Kept) => summary.kept += 1,
-            Some(Outcome::Failed(why)) => summary.failed.push(job.failure(why)),
+            Some(Outcome::Failed(why)) => summary.failed.push(Failure::new(job, why)),
             None => {}
         }
     }
@@ -220,7 +204,7 @@ fn failed(folder: &CollectionFolder, job: &Job, why: String) -> Result<Outcome, 
     folder.remove_tables()?;
     let partial = folder.begin(&job.name)?;
     let path = partial.join("failure.json");
-    let json = serde_json::to_string_pretty(&job.failure(why.clone()));
+    let json = serde_json::to_string_pretty(&Failure::new(job, why.clone()));
     let json = json.map_err(|e| CollectionError::io(&path)(e.into()))?;
     write_text(&path, &(json + "\n"))?;
     folder.publish(&job.name, &partial)?;

@@ -6,7 +6,7 @@ use mser3d_meshio::{AnimationInfo, MeshFormat, ReadOptions, list_animations};
 use mser3d_results::{ResultsError, ShapeFile};
 use mser3d_shape::InvalidParameter;
 
-use crate::{CollectionError, Failure};
+use crate::CollectionError;
 
 /// One shape of a batch.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,16 +29,6 @@ impl Job {
     pub fn read(&self) -> Result<ShapeFile, ResultsError> {
         let pose = ReadOptions { animation: self.animation.clone(), time: self.time };
         ShapeFile::read(&self.path, &pose)
-    }
-
-    pub(crate) fn failure(&self, error: String) -> Failure {
-        Failure {
-            name: self.name.clone(),
-            path: self.path.to_string_lossy().into_owned(),
-            animation: self.animation.clone(),
-            time: self.time,
-            error,
-        }
     }
 }
 

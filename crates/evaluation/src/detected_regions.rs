@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use mser3d_shape::IndexSet;
 
 use crate::EvaluationError;
-use crate::text_file::save;
+use mser3d_fileio::write_text;
 
 /// The regions that a detector found on one shape, whichever detector it was, and their descriptors.
 ///
@@ -72,12 +72,12 @@ impl DetectedRegions {
         }
         let path = descriptors_path(folder, &name);
         if !descriptors.is_empty() {
-            save(path, &descriptors)?;
+            write_text(&path, &descriptors)?;
         } else if path.exists() {
             // Of an earlier detection.
             fs::remove_file(&path).map_err(|source| EvaluationError::Write { path, source })?;
         }
-        save(regions_path(folder, name), &regions)
+        Ok(write_text(&regions_path(folder, name), &regions)?)
     }
 }
 

@@ -54,6 +54,9 @@ pub enum EvaluationError {
     /// A mesh that cannot be rasterized.
     #[error(transparent)]
     Voxelize(#[from] mser3d_voxelize::VoxelizeError),
+    /// A text that cannot be written.
+    #[error(transparent)]
+    File(#[from] mser3d_fileio::FileError),
     /// A mesh file that cannot be read.
     #[error(transparent)]
     Mesh(#[from] mser3d_meshio::MeshIoError),

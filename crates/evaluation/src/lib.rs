@@ -41,7 +41,6 @@ mod score;
 pub mod shrec;
 mod surface_point;
 mod symmetry;
-mod text_file;
 
 pub use correspondence::Correspondence;
 pub use detected_regions::DetectedRegions;

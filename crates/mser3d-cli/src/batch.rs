@@ -9,7 +9,8 @@ use mser3d_collection::{
 
 use crate::error::{CliError, print, print_json};
 use crate::input::InputArgs;
-use crate::options::{RegionOptions, count};
+use crate::numbers::count;
+use crate::options::RegionOptions;
 use crate::progress::BatchMeter;
 use crate::run_options::RunOptions;
 

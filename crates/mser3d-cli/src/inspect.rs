@@ -6,7 +6,7 @@ use mser3d_results::Inspection;
 
 use crate::error::{CliError, print, print_json};
 use crate::input::InputArgs;
-use crate::options::count;
+use crate::numbers::count;
 
 #[derive(clap::Args)]
 pub struct InspectArgs {
@@ -31,6 +31,6 @@ pub fn run(args: &InspectArgs) -> Result<(), CliError> {
     if let Some(eigenpairs) = args.eigenpairs {
         parameters.spectrum.eigenpairs = eigenpairs.into();
     }
-    let inspection = Inspection::new(&args.input.read()?, &parameters)?;
+    let inspection = Inspection::new(&args.input.read()?, &parameters);
     if args.json { print_json(&inspection) } else { print(&inspection.describe()) }
 }

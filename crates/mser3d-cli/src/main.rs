@@ -13,6 +13,7 @@ mod interrupt;
 mod log;
 mod matching;
 mod msv;
+mod numbers;
 mod options;
 mod progress;
 mod query;

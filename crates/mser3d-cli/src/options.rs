@@ -13,6 +13,7 @@ use mser3d_results::ShapeFile;
 
 use crate::choice::choice;
 use crate::error::CliError;
+use crate::numbers::{count, fraction, positive};
 use crate::voxel_options::VoxelOptions;
 
 /// Options of everything that computes regions.
@@ -189,24 +190,4 @@ fn tolerance() -> &'static str {
     static TEXT: LazyLock<String> =
         LazyLock::new(|| format!("{:e}", SpectrumParameters::default().tolerance));
     &TEXT
-}
-
-/// A whole number that is at least one.
-pub fn count(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(0) => Err("must be at least 1".into()),
-        Ok(n) => Ok(n),
-        Err(_) => Err("not a whole number of at least 1".into()),
-    }
-}
-
-/// A number greater than zero.
-pub fn positive(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "not a number")?;
-    (value.is_finite() && value > 0.0).then_some(value).ok_or("must be positive and finite".into())
-}
-
-fn fraction(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "not a number")?;
-    (0.0..=1.0).contains(&value).then_some(value).ok_or("must be between 0 and 1".into())
 }

@@ -9,7 +9,7 @@ use mser3d_results::Up;
 
 use crate::choice::choice;
 use crate::error::{CliError, print, print_json};
-use crate::options::count;
+use crate::numbers::count;
 
 #[derive(clap::Args)]
 pub struct QueryArgs {

@@ -5,7 +5,7 @@ use mser3d::voxelize::{InsideTest, Morphology, Overlap, Pitch, VoxelizeParameter
 
 use crate::choice::choice;
 use crate::error::CliError;
-use crate::options::{count, positive};
+use crate::numbers::{count, positive};
 
 /// How a mesh becomes voxels.
 #[derive(clap::Args, Clone, Debug)]
@@ -38,7 +38,7 @@ pub struct VoxelOptions {
     /// Link all neighbours, even where the surface runs between them
     #[arg(long)]
     no_cut_links: bool,
-    /// Change the solid by a voxel, against artefacts of the mesh [default: not]
+    /// Change the solid by a voxel, against artefacts of the mesh [default: none]
     #[arg(long, value_parser = choice::<Morphology>())]
     morphology: Option<Morphology>,
     /// Refuse boxes of more voxels than this; a grid takes half a byte for each

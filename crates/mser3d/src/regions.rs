@@ -21,11 +21,11 @@ pub struct Region {
     /// The weight at which it is complete: for the heat weights length^-3 in a volume, length^-2 on a
     /// surface (inverse for [`crate::Weight::Edge`]).
     pub altitude: f64,
-    /// s(l) = vol(l) / (d vol / d l) (eq. 5), where l is log altitude: the region's volume over the rate at which it
-    /// changes with l. By default the rate is measured over a window, `(vol(l + d) - vol(l - d)) / 2d`. No unit.
+    /// s(l) = vol(l) / (d vol / d l) (eq. 5), where l is the altitude, by default its logarithm: the region's volume over the
+    /// rate at which it changes with l. By default the rate is measured over a window, `(vol(l + d) - vol(l - d)) / 2d`. No unit.
     /// Infinite where the volume does not change, NaN by the rule `baseline`, which measures none.
     pub stability: f64,
-    /// How long its part stays on its own, in log altitude, smaller parts that join it included.
+    /// How long its part stays on its own, in altitude (by default its logarithm), smaller parts that join it included.
     pub persistence: f64,
     /// The real merge that ends it, if it is the last component before one. Its lifetime is the score to
     /// rank regions by: those that last longest are found again most surely. Regions without a merge rank last.

@@ -92,6 +92,15 @@ pub enum ResultsError {
     /// A picture or page cannot be made.
     #[error(transparent)]
     Viewer(#[from] mser3d_viewer::ViewerError),
+    /// A grey-value volume in which nothing was found.
+    #[error(
+        "{volume}: no maximally stable regions were found in it, so there is nothing to show; search again with a \
+         smaller --delta or a larger --max-variation"
+    )]
+    NoRegions {
+        /// The volume.
+        volume: String,
+    },
     /// Dark or bright regions of colours.
     #[error("{}: dark and bright need one grey value a voxel; colours have no order", path.display())]
     NoOrder {

@@ -1,9 +1,9 @@
-use mser3d::{Domain, Estimate, Parameters};
+use mser3d::{Estimate, Parameters};
 use mser3d_meshio::{AnimationInfo, list_animations};
 use mser3d_shape::Choice;
 use serde::Serialize;
 
-use crate::{Contents, InputRecord, ResultsError, ShapeFile};
+use crate::{Contents, InputRecord, ShapeFile};
 
 /// All that is known of a file before any work is done on it.
 #[derive(Clone, Debug, Serialize)]
@@ -41,17 +41,16 @@ pub struct MaskRecord {
 impl Inspection {
     /// Looks at a file; `parameters` are those of the run that is estimated.
     ///
-    /// # Errors
-    /// None today: what is wrong with a mesh is in its diagnosis.
-    pub fn new(file: &ShapeFile, parameters: &Parameters) -> Result<Self, ResultsError> {
+    /// What is wrong with a mesh is in its diagnosis.
+    pub fn new(file: &ShapeFile, parameters: &Parameters) -> Self {
         let (input, loaded) = (file.record(), file.loaded());
-        let estimate = parameters.estimate(&file.input(Domain::Volume)?);
+        let estimate = parameters.estimate(&file.volume());
         let volume = input.diagnosis.as_ref().map(|d| d.volume).filter(|&volume| volume > 0.0);
         let mask = match &file.contents {
             Contents::Mask(grid) => Some(MaskRecord { dims: grid.frame().dims(), voxels: grid.len() }),
             Contents::Mesh(_) => None,
         };
-        Ok(Self {
+        Self {
             file_vertices: loaded.and_then(|l| l.weld.as_ref()).map(Vec::len),
             polygons: loaded.map(|l| l.polygons),
             mask,
@@ -60,7 +59,7 @@ impl Inspection {
             animations: list_animations(&file.path).unwrap_or_default(),
             notes: loaded.map(|l| l.notes.clone()).unwrap_or_default(),
             input,
-        })
+        }
     }
 
     /// The same as text, a name and a value a line.

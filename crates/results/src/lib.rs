@@ -1,7 +1,7 @@
 //! What mser3d finds, as a folder of files, as pictures and as a page.
 //!
 //! [`Results`] is the one type between [`mser3d::Features`] and whatever shows or compares them: the
-//! command line, the evaluation and the figures. It is written by [`Results::write`], read by
+//! command line, collections and the pictures of the documentation. It is written by [`Results::write`], read by
 //! [`Results::load`], drawn by [`Results::sheet`], [`Results::page`] and their relatives, and given to
 //! other programs by [`Results::export`]. [`Record`] is what `regions.json` says.
 //!
@@ -19,8 +19,8 @@
 //!
 //! | array in `features.npz` | type and shape | meaning |
 //! |---|---|---|
-//! | `vertex_region` | int32, vertices | innermost region of each vertex, -1 for none |
-//! | `region_vertices`, `region_vertices_start` | uint32; int64, regions + 1 | vertices of region i: `region_vertices[start[i]:start[i+1]]` |
+//! | `vertex_region` | int32, vertices | innermost region of each vertex, -1 for none (not for masks) |
+//! | `region_vertices`, `region_vertices_start` | uint32; int64, regions + 1 | vertices of region i: `region_vertices[start[i]:start[i+1]]` (not for masks) |
 //! | `region_voxels`, `region_voxels_start` | as above | voxels of each region |
 //! | `voxel_index` | uint32, voxels x 3 | place of each voxel in the grid, x fastest |
 //! | `voxel_region` | int32, voxels | innermost region of each voxel, -1 for none |

@@ -176,12 +176,12 @@ pub struct RegionRecord {
     pub tree: u32,
     /// The weight at which it is complete: of the heat kernel in length^-3 in a volume, length^-2 on a surface.
     pub altitude: f64,
-    /// vol(l) / (d vol / d l) with l the log altitude (eq. 5): see [`mser3d::Region::stability`]. In JSON `"Infinity"`
+    /// vol(l) / (d vol / d l), where l is the altitude, by default its logarithm (eq. 5): see [`mser3d::Region::stability`]. In JSON `"Infinity"`
     /// where the volume does not change, null where none was measured (NaN).
     #[serde(with = "stability")]
     #[cfg_attr(feature = "schema", schemars(with = "stability::Stability"))]
     pub stability: f64,
-    /// How long it lasts before the real merge that ends it, in log altitude; none where no merge does.
+    /// How long it lasts before the real merge that ends it, in altitude (by default its logarithm); none where no merge does.
     pub lifetime: Option<f64>,
     /// Volume in length^3, or area in length^2.
     pub volume: f64,

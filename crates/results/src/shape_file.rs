@@ -107,13 +107,20 @@ impl ShapeFile {
     /// # Errors
     /// [`ResultsError::NoMesh`] for the surface of a mask.
     pub fn input(&self, domain: Domain) -> Result<Input<'_>, ResultsError> {
-        match (&self.contents, domain) {
-            (Contents::Mesh(loaded), Domain::Volume) => Ok(Input::Volume(&loaded.mesh)),
-            (Contents::Mesh(loaded), Domain::Surface) => Ok(Input::Surface(&loaded.mesh)),
-            (Contents::Mask(grid), Domain::Volume) => Ok(Input::Solid(grid)),
-            (Contents::Mask(_), Domain::Surface) => {
+        match (domain, self.mesh()) {
+            (Domain::Volume, _) => Ok(self.volume()),
+            (Domain::Surface, Some(mesh)) => Ok(Input::Surface(mesh)),
+            (Domain::Surface, None) => {
                 Err(ResultsError::NoMesh { path: self.path.clone(), option: "--surface" })
             }
+        }
+    }
+
+    /// The solid of a mesh, or of a mask.
+    pub fn volume(&self) -> Input<'_> {
+        match &self.contents {
+            Contents::Mesh(loaded) => Input::Volume(&loaded.mesh),
+            Contents::Mask(grid) => Input::Solid(grid),
         }
     }
 

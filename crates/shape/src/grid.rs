@@ -5,10 +5,31 @@ use std::ops::Range;
 /// Where the voxels of a grid lie: voxel (i, j, k) has its centre at
 /// `origin + spacing * (i + 1/2, j + 1/2, k + 1/2)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "FrameFields"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Frame {
     dims: [usize; 3],
     origin: [f64; 3],
     spacing: [f64; 3],
+}
+
+/// A frame as it is read, before it is checked.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct FrameFields {
+    dims: [usize; 3],
+    origin: [f64; 3],
+    spacing: [f64; 3],
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<FrameFields> for Frame {
+    type Error = ShapeError;
+
+    fn try_from(fields: FrameFields) -> Result<Self, ShapeError> {
+        Self::new(fields.dims, fields.origin, fields.spacing)
+    }
 }
 
 impl Frame {

@@ -68,8 +68,6 @@ pub struct VoxelizeParameters {
     /// units. Default: none, the lowest coordinates less one voxel. Ignored when `frame` is given.
     pub origin: Option<[f64; 3]>,
     /// The grid to use, to share it with other shapes or tools. Default: none, a grid around the mesh.
-    // Only for those who call this crate alone: whoever keeps a record of the parameters sets none.
-    #[cfg_attr(feature = "serde", serde(skip))]
     pub frame: Option<Frame>,
     /// A change of the solid by one voxel. Default: none.
     pub morphology: Option<Morphology>,

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use mser3d_shape::TriangleMesh;
 
 use super::{ShapeName, Transformed, corr};
-use crate::text_file::save;
 use crate::{EvaluationError, NullShape};
+use mser3d_fileio::write_text;
 
 /// Writes a benchmark in the layout that [`Benchmark`](super::Benchmark) reads.
 ///
@@ -33,10 +33,10 @@ impl BenchmarkWriter {
     /// [`EvaluationError::Write`].
     pub fn null_shape(&self, number: u32, shape: &NullShape) -> Result<(), EvaluationError> {
         let name = ShapeName::null(number);
-        save(name.mesh_path(&self.folder), &off(shape.mesh()))?;
+        write_text(&name.mesh_path(&self.folder), &off(shape.mesh()))?;
         if let Some(mirror) = shape.mirror() {
             let list: String = mirror.iter().map(|m| format!("{}\n", m + 1)).collect();
-            save(self.folder.join(format!("{name}.sym.txt")), &list)?;
+            write_text(&self.folder.join(format!("{name}.sym.txt")), &list)?;
         }
         Ok(())
     }
@@ -46,8 +46,8 @@ impl BenchmarkWriter {
     /// # Errors
     /// [`EvaluationError::Write`].
     pub fn transformed(&self, name: &ShapeName, shape: &Transformed) -> Result<(), EvaluationError> {
-        save(name.mesh_path(&self.folder), &off(&shape.mesh))?;
-        save(name.corr_path(&self.folder), &corr::format(shape))
+        write_text(&name.mesh_path(&self.folder), &off(&shape.mesh))?;
+        Ok(write_text(&name.corr_path(&self.folder), &corr::format(shape))?)
     }
 }
 

@@ -136,7 +136,7 @@ fn wrong_use_exits_with_2_and_names_the_option() {
         ("--eigenpairs 0", &["--eigenpairs", "at least 1"]),
         ("--eigenpairs ten", &["--eigenpairs", "whole number"]),
         ("--eigenpairs 9 --lambda-max 9", &["--eigenpairs", "--lambda-max"]),
-        ("--lambda-max 0", &["eigenvalues", "above 0"]),
+        ("--lambda-max 0", &["lambda_max is 0", "above 0"]),
         ("--tolerance 0", &["tolerance", "above 0"]),
         ("--time-scale 0.5,-1", &["--time-scale", "positive"]),
         ("--time-scale 1 --absolute-time 1", &["--time-scale", "--absolute-time"]),

@@ -94,4 +94,6 @@ fn wrong_use_and_unreadable_volumes_are_told_apart() {
     assert!(!out.exists());
     // All equal: one component, which never changes; no region.
     assert_eq!(with(&["-q"], &path), Some(0));
+    let view = mser3d([std::ffi::OsStr::new("view"), out.as_os_str()]);
+    assert_fails(&view, 1, &["v.nii: no maximally stable regions", "--delta"]);
 }

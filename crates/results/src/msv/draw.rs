@@ -29,7 +29,7 @@ impl MsvResults {
     /// One sheet: the voxels of the regions, in their colours, from four sides.
     ///
     /// # Errors
-    /// [`ResultsError::Viewer`], also when there are no regions.
+    /// [`ResultsError::NoRegions`], [`ResultsError::Viewer`].
     pub fn sheet(&self, options: &RenderOptions) -> Result<Image, ResultsError> {
         let drawn = self.drawn()?;
         let colours: Vec<Rgb> = drawn.innermost.iter().map(|&r| drawn.colours[r as usize]).collect();
@@ -40,7 +40,7 @@ impl MsvResults {
     /// A page that shows the regions in a browser: their voxels, and the numbers of each.
     ///
     /// # Errors
-    /// [`ResultsError::Viewer`], also when there are no regions.
+    /// [`ResultsError::NoRegions`], [`ResultsError::Viewer`].
     pub fn page(&self, title: &str, up: Up) -> Result<String, ResultsError> {
         let drawn = self.drawn()?;
         let voxels: f64 = self.record.dims.iter().product::<usize>() as f64;
@@ -86,6 +86,9 @@ impl MsvResults {
     }
 
     fn drawn(&self) -> Result<Drawn<'_>, ResultsError> {
+        if self.record.searches.iter().all(|search| search.regions.is_empty()) {
+            return Err(ResultsError::NoRegions { volume: self.record.volume.clone() });
+        }
         let [nx, ny, _] = self.record.dims;
         let mut regions = Vec::new();
         let mut parents = Vec::new();

@@ -2,6 +2,7 @@
 #![cfg(feature = "serde")]
 
 use crate::common::*;
+use mser3d_shape::Frame;
 use mser3d_voxelize::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -21,7 +22,9 @@ fn parameters_and_pitches() {
     ] {
         assert_eq!(to_value(pitch).unwrap(), stands_as);
         let morphology = Some(Morphology::Close);
-        survives(&VoxelizeParameters { pitch, morphology, origin: Some([0.5; 3]), ..Default::default() });
+        let frame = Frame::new([4, 5, 6], [0.1; 3], [0.3; 3]).unwrap();
+        let (origin, frame) = (Some([0.5; 3]), Some(frame));
+        survives(&VoxelizeParameters { pitch, morphology, origin, frame, ..Default::default() });
     }
     let written = to_value(VoxelizeParameters::default()).unwrap();
     let expected = json!({
@@ -31,6 +34,7 @@ fn parameters_and_pitches() {
         "cut_links": true,
         "connectivity": "6",
         "origin": null,
+        "frame": null,
         "morphology": null,
         "largest_only": true,
     });
@@ -61,5 +65,5 @@ fn diagnoses_and_reasons() {
 fn the_schema_names_the_choices() {
     let schema = schemars::schema_for!(VoxelizeParameters).to_value();
     assert_eq!(schema["$defs"]["InsideTest"]["enum"], json!(["auto", "parity", "vote", "winding"]));
-    assert!(schema["properties"]["frame"].is_null());
+    assert!(schema["properties"]["frame"].is_object());
 }

@@ -1,0 +1,31 @@
+use serde::{Deserialize, Serialize};
+
+use crate::Job;
+
+/// A shape without a result: what `failure.json` in its folder says, and `failures.json` of all.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct Failure {
+    /// Its name in the collection.
+    pub name: String,
+    /// The file.
+    pub path: String,
+    /// The glTF animation that poses it.
+    pub animation: Option<String>,
+    /// When in the animation, in seconds.
+    pub time: f64,
+    /// Why there is no result.
+    pub error: String,
+}
+
+impl Failure {
+    pub(crate) fn new(job: &Job, error: String) -> Self {
+        Self {
+            name: job.name.clone(),
+            path: job.path.to_string_lossy().into_owned(),
+            animation: job.animation.clone(),
+            time: job.time,
+            error,
+        }
+    }
+}
