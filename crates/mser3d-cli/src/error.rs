@@ -4,7 +4,6 @@ use std::process::ExitCode;
 
 use mser3d::voxelize::VoxelizeError;
 use mser3d_collection::CollectionError;
-use mser3d_meshio::MeshIoError;
 use mser3d_results::ResultsError;
 use mser3d_viewer::ViewerError;
 
@@ -59,7 +58,6 @@ impl CliError {
             Self::Results(error) => matches!(
                 error,
                 ResultsError::Viewer(ViewerError::InvalidParameter(_))
-                    | ResultsError::Mesh(MeshIoError::InvalidParameter(_))
                     | ResultsError::Export { .. }
                     | ResultsError::NoMesh { .. }
                     | ResultsError::NoOrder { .. }

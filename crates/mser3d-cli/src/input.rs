@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use mser3d_meshio::ReadOptions;
-use mser3d_results::ShapeFile;
+use mser3d_meshio::{MeshIoError, ReadOptions};
+use mser3d_results::{ResultsError, ShapeFile};
 
 use crate::error::CliError;
 
@@ -24,7 +24,11 @@ pub struct InputArgs {
 impl InputArgs {
     pub fn read(&self) -> Result<ShapeFile, CliError> {
         let pose = ReadOptions { animation: self.animation.clone(), time: self.time };
-        Ok(ShapeFile::read(&self.input, &pose)?)
+        ShapeFile::read(&self.input, &pose).map_err(|error| match error {
+            // Its options are named after it.
+            ResultsError::Mesh(MeshIoError::InvalidParameter(error)) => CliError::Usage(format!("--{error}")),
+            error => error.into(),
+        })
     }
 }
 
