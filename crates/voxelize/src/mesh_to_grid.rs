@@ -1,4 +1,5 @@
-use crate::axis_parity::majority;
+//! From a mesh to a solid of linked voxels: all stages in a row.
+
 use crate::axis_sweep::MAX_TRIANGLES;
 use crate::centre_lattice::CentreLattice;
 use crate::error::VoxelizeError;
@@ -10,39 +11,9 @@ use crate::mesh_analysis::MeshAnalysis;
 use crate::parameters::{Overlap, Pitch, VoxelizeParameters};
 use crate::placed_surface::PlacedSurface;
 use crate::surface::Surface;
-use crate::voxel_fill::Solid;
-use crate::warning::Warning;
+use crate::voxel_fill::{Solid, solve, sweep};
+use crate::voxelization::{Voxelization, warnings};
 use mser3d_shape::{BitGrid, Connectivity, Frame, TriangleMesh, VoxelGrid};
-
-/// A solid on a grid, and how it came about.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Voxelization {
-    /// The solid: voxels whose centre is inside, linked to their neighbours unless the surface runs between
-    /// them.
-    pub grid: VoxelGrid,
-    /// The inside test used; never [`InsideTest::Auto`].
-    pub inside: InsideTest,
-    /// Why this test was used.
-    pub reason: Reason,
-    /// The fraction of the inside voxels about which there is no doubt: 1 on closed surfaces.
-    pub confidence: f64,
-    /// Voxels that may be inside or outside: on lines with an odd number of crossings, where the three
-    /// axes disagree, or where the winding number is within 0.2 of 1/2 or 3/2.
-    pub ambiguous_voxels: usize,
-    /// Linked components that were dropped because another is larger.
-    pub dropped_components: usize,
-    /// Voxels in them.
-    pub dropped_voxels: usize,
-    /// Links between face neighbours inside that the surface cuts, before components were dropped.
-    pub cut_links: usize,
-    /// Volume that is covered more than once, in length^3.
-    pub overlap_volume: f64,
-    /// Components, tunnels and cavities of `grid` under face links.
-    pub topology: GridTopology,
-    /// What the user should know, the most important first.
-    pub warnings: Vec<Warning>,
-}
 
 /// Turns a mesh into a solid of linked voxels.
 ///
@@ -114,7 +85,7 @@ pub fn voxelize(mesh: &TriangleMesh, parameters: &VoxelizeParameters) -> Result<
         topology,
         warnings: Vec::new(),
     };
-    voxelization.warnings = crate::warning::warnings(&analysis, &surface, &voxelization, inside);
+    voxelization.warnings = warnings(&analysis, &surface, &voxelization, inside);
     Ok(voxelization)
 }
 
@@ -181,26 +152,6 @@ fn prepare<'m>(
     };
     let frame = grid_frame::frame(mesh, &surface, &analysis, rule, inside_test, parameters)?;
     Ok(Prepared { analysis, surface, frame, rule, inside_test, reason })
-}
-
-/// The solid of a surface on a grid, without links.
-pub(crate) fn sweep(
-    surface: &Surface,
-    frame: &Frame,
-    rule: InsideRule,
-    inside_test: InsideTest,
-) -> Result<Solid, VoxelizeError> {
-    let lattice = CentreLattice::new(frame, surface.scale, surface.reach);
-    solve(&PlacedSurface::new(surface, &lattice, rule, false), inside_test)
-}
-
-fn solve(placed: &PlacedSurface, inside_test: InsideTest) -> Result<Solid, VoxelizeError> {
-    let mut solid = placed.solid()?;
-    if inside_test == InsideTest::Vote {
-        let (y, z) = (placed.parity_along(1)?, placed.parity_along(2)?);
-        (solid.occupancy, solid.ambiguous) = majority(&solid.occupancy, &y, &z);
-    }
-    Ok(solid)
 }
 
 /// The largest component under links to all 26 neighbours, and how many components and voxels were dropped.

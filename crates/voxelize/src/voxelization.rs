@@ -1,0 +1,105 @@
+//! A solid on a grid, and what its user should know about it.
+
+use crate::grid_topology::{GridTopology, thin_voxels};
+use crate::inside_test::{InsideTest, Reason};
+use crate::mesh_analysis::MeshAnalysis;
+use crate::surface::Surface;
+use crate::warning::Warning;
+use mser3d_shape::VoxelGrid;
+
+/// A solid on a grid, and how it came about.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Voxelization {
+    /// The solid: voxels whose centre is inside, linked to their neighbours unless the surface runs between
+    /// them.
+    pub grid: VoxelGrid,
+    /// The inside test used; never [`InsideTest::Auto`].
+    pub inside: InsideTest,
+    /// Why this test was used.
+    pub reason: Reason,
+    /// The fraction of the inside voxels about which there is no doubt: 1 on closed surfaces.
+    pub confidence: f64,
+    /// Voxels that may be inside or outside: on lines with an odd number of crossings, where the three
+    /// axes disagree, or where the winding number is within 0.2 of 1/2 or 3/2.
+    pub ambiguous_voxels: usize,
+    /// Linked components that were dropped because another is larger.
+    pub dropped_components: usize,
+    /// Voxels in them.
+    pub dropped_voxels: usize,
+    /// Links between face neighbours inside that the surface cuts, before components were dropped.
+    pub cut_links: usize,
+    /// Volume that is covered more than once, in length^3.
+    pub overlap_volume: f64,
+    /// Components, tunnels and cavities of `grid` under face links.
+    pub topology: GridTopology,
+    /// What the user should know, the most important first.
+    pub warnings: Vec<Warning>,
+}
+
+/// The fraction of thin voxels that is worth a warning.
+const THIN: f64 = 0.01;
+
+/// The fraction of dropped or doubly covered voxels that is worth a warning: a tenth of the smallest usual
+/// region.
+const NOTABLE: f64 = 1e-3;
+
+/// What there is to say about a solid; `inside` counts its voxels before components were dropped.
+pub(crate) fn warnings(
+    analysis: &MeshAnalysis,
+    surface: &Surface,
+    result: &Voxelization,
+    inside: usize,
+) -> Vec<Warning> {
+    let mut list = Vec::new();
+    let frame = result.grid.frame();
+    let (low, high) = (frame.locate(surface.bounds.min), frame.locate(surface.bounds.max));
+    if (0..3).any(|a| low[a] < 0.5 || high[a] > frame.dims()[a] as f64 - 0.5) {
+        list.push(Warning::Clipped);
+    }
+    let counts = &analysis.counts;
+    if counts.boundary > 0 {
+        list.push(Warning::Open { boundary_edges: counts.boundary });
+    }
+    if analysis.turned > 0 {
+        list.push(Warning::Flipped { triangles: analysis.turned });
+    }
+    if surface.inverted > 0 {
+        list.push(Warning::Inverted { bodies: surface.inverted });
+    }
+    if !analysis.duplicates.is_empty() {
+        let (triangles, dropped) = (analysis.duplicates.len(), analysis.dropped_duplicates);
+        list.push(Warning::Duplicates { triangles, dropped });
+    }
+    if counts.non_manifold > 0 {
+        list.push(Warning::NonManifold { edges: counts.non_manifold });
+    }
+    if analysis.welded {
+        list.push(Warning::Merged);
+    }
+    let fraction = result.overlap_volume / (inside as f64 * frame.voxel_volume());
+    if fraction > NOTABLE {
+        list.push(Warning::Overlap { fraction });
+    }
+    let fraction = result.dropped_voxels as f64 / inside as f64;
+    if fraction > NOTABLE {
+        let (components, voxels) = (result.dropped_components, result.dropped_voxels);
+        list.push(Warning::Dropped { components, voxels, fraction });
+    }
+    if result.ambiguous_voxels > 0 {
+        list.push(Warning::Ambiguous { voxels: result.ambiguous_voxels });
+    }
+    let mesh = analysis.euler_characteristic();
+    if let Some(mesh) =
+        mesh.filter(|&mesh| surface.shells.len() == 1 && mesh != 2 * result.topology.euler_characteristic)
+    {
+        list.push(Warning::Topology { solid: result.topology.euler_characteristic, mesh });
+    }
+    let voxels = thin_voxels(&result.grid);
+    let fraction = voxels as f64 / result.grid.len().max(1) as f64;
+    if fraction > THIN {
+        let finest = frame.spacing().into_iter().fold(f64::INFINITY, f64::min);
+        list.push(Warning::Thin { voxels, fraction, advice: finest / 2.0 });
+    }
+    list
+}
