@@ -48,14 +48,15 @@
 //! * **Real merge**: a node at which at least two children have the minimum volume. Merges with anything
 //!   smaller count as growth.
 //! * **Branch** (of the windowed rule): the nodes from one real merge up to the next, in each of them the
-//!   largest child.
+//!   largest child. With no real merge below, it begins at half of the minimum volume, or where several
+//!   children are equally large.
 //! * **Lifetime** of a part: the difference of level from the start of its branch to the real merge that ends
 //!   it ([`Merge::lifetime`]).
 //! * **Persistence** of a component: the difference of level from its first vertex to the merge with a
-//!   component that began earlier ([`ComponentTree::persistence`]). It knows no minimum volume: *every* merge
-//!   counts, and the part that began first goes on through it. So an arm has a lifetime that ends at the
-//!   shoulder, while the persistence of the part with the extreme weight of the whole shape reaches to the
-//!   root.
+//!   component that began earlier, or to the root where none did ([`ComponentTree::persistence`]). It knows
+//!   no minimum volume: *every* merge counts, and the part that began first goes on through it. So an arm has
+//!   a lifetime that ends at the shoulder, while the persistence of the part with the extreme weight of the
+//!   whole shape reaches to the root.
 //!
 //! # Features
 //!

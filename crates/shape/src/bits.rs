@@ -1,4 +1,5 @@
 use crate::ShapeError;
+use std::ops::Range;
 
 /// One bit per voxel of a box, x fastest; each row along x starts at a new 64-bit word.
 ///
@@ -130,6 +131,29 @@ impl Iterator for Bits {
         self.0 &= self.0 - 1;
         Some(bit)
     }
+}
+
+/// Whether any bit of a range is set in a row.
+#[inline]
+pub(crate) fn any(row: &[u64], range: Range<u32>) -> bool {
+    masks(range).any(|(word, mask)| row[word] & mask != 0)
+}
+
+/// Clears the bits of a range in a row.
+#[inline]
+pub(crate) fn clear(row: &mut [u64], range: Range<u32>) {
+    masks(range).for_each(|(word, mask)| row[word] &= !mask);
+}
+
+/// The words that a range of bits touches, with the mask of its bits in each. The range must not be empty.
+#[inline]
+fn masks(range: Range<u32>) -> impl Iterator<Item = (usize, u64)> {
+    let (first, last) = (range.start / 64, (range.end - 1) / 64);
+    (first..=last).map(move |word| {
+        let low = if word == first { u64::MAX << (range.start % 64) } else { u64::MAX };
+        let high = if word == last { u64::MAX >> (63 - (range.end - 1) % 64) } else { u64::MAX };
+        (word as usize, low & high)
+    })
 }
 
 #[cfg(test)]

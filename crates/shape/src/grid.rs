@@ -1,4 +1,4 @@
-use crate::runs::clear;
+use crate::bits::clear;
 use crate::{BitGrid, Bits, Graph, ShapeError};
 use std::ops::Range;
 

@@ -1,8 +1,8 @@
 //! Components of linked voxels, found run by run along x: as many runs as the surface has voxels,
 //! not as many as the solid.
 
+use crate::bits::any;
 use crate::{Bits, Components, DisjointSets, VoxelGrid};
-use std::ops::Range;
 
 /// Voxels of a row, each linked to the next.
 #[derive(Clone, Copy, Debug)]
@@ -111,24 +111,6 @@ impl VoxelGrid {
         };
         (self.without(dropped), parts.len() - 1, count)
     }
-}
-
-/// The words that a range of bits touches, with the mask of its bits in each.
-fn masks(range: Range<u32>) -> impl Iterator<Item = (usize, u64)> {
-    let (first, last) = (range.start / 64, (range.end - 1) / 64);
-    (first..=last).map(move |word| {
-        let low = if word == first { u64::MAX << (range.start % 64) } else { u64::MAX };
-        let high = if word == last { u64::MAX >> (63 - (range.end - 1) % 64) } else { u64::MAX };
-        (word as usize, low & high)
-    })
-}
-
-fn any(words: &[u64], range: Range<u32>) -> bool {
-    masks(range).any(|(word, mask)| words[word] & mask != 0)
-}
-
-pub(crate) fn clear(words: &mut [u64], range: Range<u32>) {
-    masks(range).for_each(|(word, mask)| words[word] &= !mask);
 }
 
 #[cfg(test)]

@@ -5,8 +5,9 @@ use rayon::prelude::*;
 
 use crate::camera::Camera;
 use crate::lighting::{Surface, light};
+use crate::render_options::RenderOptions;
 use crate::z_buffer::{FILLING, NOTHING, Projection, Samples};
-use crate::{Image, Model, RenderOptions, Rgb, ViewerError};
+use crate::{Image, Model, Rgb, ViewerError};
 
 /// How a model is placed in its panel.
 pub(crate) struct Placement {

@@ -31,6 +31,7 @@
 #![warn(missing_docs)]
 
 mod camera;
+mod cut;
 mod draw_panel;
 mod error;
 mod gallery;
@@ -43,6 +44,7 @@ mod page;
 mod palette;
 mod raster;
 mod render;
+mod render_options;
 mod rgb;
 mod section;
 mod stroke_font;
@@ -51,16 +53,18 @@ mod test_shapes;
 mod z_buffer;
 
 pub use camera::{NamedView, Up, View};
+pub use cut::Cut;
 pub use error::ViewerError;
 pub use gallery::{Gallery, GalleryPicture, GalleryRow, gallery};
 pub use image::Image;
-pub use model::{Colours, Cut, Model};
+pub use model::{Colours, Model};
 pub use mser3d_shape as shape;
 pub use mser3d_shape::InvalidParameter;
 pub use page::{PageData, PageRegion, PageShape, PageTree, RegionPair, page};
 pub use palette::{NO_REGION, PALETTE, linked_colours, region_colours, sequential, sequential_colours};
 pub use png;
-pub use render::{Panel, RenderOptions, render};
+pub use render::{Panel, render};
+pub use render_options::RenderOptions;
 pub use rgb::Rgb;
 pub use section::voxel_surface;
 

@@ -6,7 +6,7 @@ use mser3d_shape::vector::{Vec3, add, cross, dot, scale, sub, unit};
 use mser3d_shape::{TriangleMesh, VoxelGrid};
 
 use crate::ViewerError;
-use crate::model::Cut;
+use crate::cut::Cut;
 
 /// A flat convex polygon that belongs to a voxel.
 pub(crate) struct Face<Corners = Vec<Vec3>> {

@@ -1,11 +1,11 @@
 //! What a coarse grid says about a surface, before a fine one is made.
 
-use crate::grid_frame;
+use crate::frame_around::{around, resolution_pitch};
 use crate::inside_rule::InsideRule;
 use crate::inside_test::InsideTest;
 use crate::surface::Surface;
 use crate::triangle_geometry::area_vector;
-use crate::voxel_fill::Solid;
+use crate::voxel_fill::{Solid, sweep};
 
 /// Voxels along the longest side of the coarse grid.
 const RESOLUTION: usize = 48;
@@ -32,16 +32,16 @@ pub(crate) struct Soup;
 impl CoarseEstimate {
     /// `None` if nothing is enclosed.
     pub fn of(surface: &Surface, rule: InsideRule, inside_test: InsideTest) -> Result<Option<Self>, Soup> {
-        let pitch = grid_frame::resolution_pitch(surface, RESOLUTION);
-        let Some(frame) = pitch.and_then(|pitch| grid_frame::around(surface, pitch).ok()) else {
+        let pitch = resolution_pitch(surface, RESOLUTION);
+        let Some(frame) = pitch.and_then(|pitch| around(surface, pitch).ok()) else {
             return Ok(None);
         };
         let pitch = frame.spacing()[0] * surface.scale;
         if surface.scattered() && crossings_per_voxel(surface, pitch) > CROWDED {
             return Err(Soup);
         }
-        let sweep = crate::voxelization::sweep(surface, &frame, rule, inside_test);
-        let Ok(Solid { occupancy, doubled, ambiguous, .. }) = sweep else { return Ok(None) };
+        let solid = sweep(surface, &frame, rule, inside_test);
+        let Ok(Solid { occupancy, doubled, ambiguous, .. }) = solid else { return Ok(None) };
         let inside = occupancy.count_ones() as f64;
         if inside == 0.0 {
             return Ok(None);

@@ -2,7 +2,6 @@
 
 use crate::bvh::WindingTree;
 use crate::centre_lattice::CentreLattice;
-use crate::inside_rule::UNCLEAR;
 use crate::surface::Surface;
 use mser3d_shape::BoundingBox;
 use mser3d_shape::vector::Vec3;
@@ -24,6 +23,8 @@ pub(crate) struct HoleCorrections {
     values: Vec<i16>,
 }
 
+/// A winding number this close to 1/2 or 3/2 is ambiguous.
+pub(crate) const UNCLEAR: f64 = 0.2;
 /// Voxels along the edge of a block.
 pub(crate) const BLOCK: usize = 4;
 /// Voxels in a block.

@@ -1,7 +1,7 @@
 //! From crossings to inside: how often a point is covered, by whom, and what that means.
 
 use crate::axis_sweep::Crossing;
-use crate::hole_corrections::HoleCorrections;
+use crate::hole_corrections::{HoleCorrections, UNCLEAR};
 use crate::surface::Surface;
 
 /// What makes a point belong to the solid.
@@ -111,6 +111,3 @@ impl<'a> RunningWinding<'a> {
         (state, unclear)
     }
 }
-
-/// A winding number this close to 1/2 or 3/2 is ambiguous.
-pub(crate) const UNCLEAR: f64 = 0.2;

@@ -35,6 +35,7 @@ mod cut_links;
 mod dense;
 mod diagnosis;
 mod error;
+mod frame_around;
 mod grid_frame;
 mod grid_topology;
 mod hole_corrections;
@@ -42,6 +43,7 @@ mod inside_rule;
 mod inside_test;
 mod mesh_analysis;
 mod mesh_edges;
+mod mesh_to_grid;
 mod morphology;
 mod parameters;
 mod placed_surface;
@@ -62,9 +64,10 @@ pub use diagnosis::{Diagnosis, diagnose};
 pub use error::VoxelizeError;
 pub use grid_topology::GridTopology;
 pub use inside_test::{InsideTest, Reason};
+pub use mesh_to_grid::{inside, voxelize};
 pub use morphology::Morphology;
 pub use parameters::{Overlap, Pitch, VoxelizeParameters};
-pub use voxelization::{Voxelization, inside, voxelize};
+pub use voxelization::Voxelization;
 pub use warning::Warning;
 
 #[cfg(feature = "ndarray")]

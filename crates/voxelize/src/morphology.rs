@@ -3,7 +3,7 @@
 use mser3d_shape::BitGrid;
 
 mser3d_shape::choice! {
-    /// A change of the solid by one voxel, against artefacts of the grid.
+    /// A change of the solid by one voxel, against artefacts of the mesh such as hair or cracks.
     pub enum Morphology("morphological operation") {
         /// Erosion, then dilation: drops what is thinner than three voxels
         ///

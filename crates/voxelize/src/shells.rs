@@ -1,25 +1,11 @@
 //! From oriented triangles to shells: which belong together, how their holes are closed, which way they face.
 
 use crate::mesh_analysis::MeshAnalysis;
-use crate::surface::Surface;
+use crate::surface::{Shell, Surface};
 use crate::triangle_geometry::{area_vector, solid_angle};
-use mser3d_shape::DisjointSets;
 use mser3d_shape::vector::{Vec3, add, cross, dot, norm, scale, sub};
+use mser3d_shape::{DisjointSets, TriangleMesh};
 use std::collections::HashMap;
-
-/// A component of the surface: triangles that are joined across edges, with the caps over their holes.
-#[derive(Clone, Debug)]
-pub(crate) struct Shell {
-    /// Volume enclosed by the shell and its caps, in scaled units; negative for a cavity.
-    pub volume: f64,
-    /// Area of the shell and its caps, in scaled units.
-    pub area: f64,
-    /// Whether each edge runs as often one way as the other: winding numbers are integers.
-    pub closed: bool,
-    /// So much of it is boundary that caps would outnumber the triangles: its winding number is
-    /// summed over the triangles themselves.
-    pub scattered: bool,
-}
 
 /// The most shells with holes that are treated one by one; all further ones count as a single shell.
 const MAX_OPEN_SHELLS: usize = 16;
@@ -30,22 +16,20 @@ const NEARLY_CLOSED: f64 = 0.1;
 /// A hole with at most so many edges is small.
 const SMALL_HOLE: f64 = 16.0;
 
-/// A closed shell whose volume is less than this part of its area to the power of 3/2 is flat.
-const FLAT: f64 = 1e-9;
-
 /// Shells of negative volume that are tested for being cavities; further ones are taken for cavities.
 const MAX_CONTAINMENT_TESTS: usize = 64;
 
-impl Shell {
-    /// Whether it is closed and encloses nothing, like a sheet of two faces back to back.
-    pub fn is_flat(&self) -> bool {
-        self.closed && self.volume.abs() <= FLAT * self.area.powf(1.5)
+impl<'m> Surface<'m> {
+    /// Oriented shells with caps.
+    pub fn oriented(mesh: &'m TriangleMesh, analysis: &MeshAnalysis<'m>) -> Self {
+        let mut surface = Self::new(mesh, analysis.triangles.clone());
+        surface.find_shells(analysis);
+        surface.face_outwards();
+        surface
     }
-}
 
-impl Surface<'_> {
     /// Finds the shells of the oriented triangles, and closes their holes.
-    pub fn find_shells(&mut self, analysis: &MeshAnalysis) {
+    fn find_shells(&mut self, analysis: &MeshAnalysis) {
         let mut sets = analysis.shells();
         let mut number = vec![u32::MAX; self.triangles.len()];
         let mut of: Vec<u32> = Vec::with_capacity(self.triangles.len());
@@ -156,7 +140,7 @@ impl Surface<'_> {
     }
 
     /// Turns shells of negative volume over, unless another shell surrounds them: those are cavities.
-    pub fn face_outwards(&mut self) {
+    fn face_outwards(&mut self) {
         let everything = self.volume() < 0.0;
         let mut turn = vec![everything; self.shells.len()];
         let sign = |turn: bool| if turn { -1.0 } else { 1.0 };

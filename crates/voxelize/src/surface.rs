@@ -1,11 +1,33 @@
 //! The surface that is swept: oriented shells, their holes coned off, coordinates in a safe range.
 
-use crate::mesh_analysis::MeshAnalysis;
-use crate::shells::Shell;
 use mser3d_shape::vector::Vec3;
 use mser3d_shape::{BoundingBox, TriangleMesh};
 use rayon::prelude::*;
 use std::borrow::Cow;
+
+/// A component of the surface: triangles that are joined across edges, with the caps over their holes.
+#[derive(Clone, Debug)]
+pub(crate) struct Shell {
+    /// Volume enclosed by the shell and its caps, in scaled units; negative for a cavity.
+    pub volume: f64,
+    /// Area of the shell and its caps, in scaled units.
+    pub area: f64,
+    /// Whether each edge runs as often one way as the other: winding numbers are integers.
+    pub closed: bool,
+    /// So much of it is boundary that caps would outnumber the triangles: its winding number is
+    /// summed over the triangles themselves.
+    pub scattered: bool,
+}
+
+/// A closed shell whose volume is less than this part of its area to the power of 3/2 is flat.
+const FLAT: f64 = 1e-9;
+
+impl Shell {
+    /// Whether it is closed and encloses nothing, like a sheet of two faces back to back.
+    pub fn is_flat(&self) -> bool {
+        self.closed && self.volume.abs() <= FLAT * self.area.powf(1.5)
+    }
+}
 
 /// Shells and caps. With its caps each shell that is not scattered is a closed chain, so its winding number
 /// is an integer, found by counting crossings; less the caps' own winding number, it is that of the mesh.
@@ -32,14 +54,6 @@ pub(crate) struct Surface<'m> {
 }
 
 impl<'m> Surface<'m> {
-    /// Oriented shells with caps.
-    pub fn oriented(mesh: &'m TriangleMesh, analysis: &MeshAnalysis<'m>) -> Self {
-        let mut surface = Self::new(mesh, analysis.triangles.clone());
-        surface.find_shells(analysis);
-        surface.face_outwards();
-        surface
-    }
-
     /// The triangles alone, as one shell: for counting crossings without regard to orientation.
     pub fn plain(mesh: &'m TriangleMesh, triangles: Cow<'m, [[u32; 3]]>) -> Self {
         let mut surface = Self::new(mesh, triangles);
@@ -47,7 +61,8 @@ impl<'m> Surface<'m> {
         surface
     }
 
-    fn new(mesh: &'m TriangleMesh, triangles: Cow<'m, [[u32; 3]]>) -> Self {
+    /// The triangles as they are; shells are not found yet.
+    pub fn new(mesh: &'m TriangleMesh, triangles: Cow<'m, [[u32; 3]]>) -> Self {
         let bounds = bounds(mesh);
         let reach = bounds.min.iter().chain(&bounds.max).fold(0.0f64, |m, x| m.max(x.abs()));
         // Products of five coordinates must neither overflow nor vanish.

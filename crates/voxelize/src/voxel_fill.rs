@@ -1,10 +1,15 @@
-//! The inside of a surface as bits, from a sweep along x.
+//! The inside of a surface as bits, from sweeps along the grid lines.
 
+use crate::axis_parity::majority;
 use crate::axis_sweep::{AxisSweep, SlabLines};
+use crate::centre_lattice::CentreLattice;
+use crate::error::VoxelizeError;
 use crate::hole_corrections::BLOCK;
 use crate::inside_rule::{InsideRule, RunningWinding};
+use crate::inside_test::InsideTest;
 use crate::placed_surface::PlacedSurface;
-use mser3d_shape::{BitGrid, ShapeError};
+use crate::surface::Surface;
+use mser3d_shape::{BitGrid, Frame, ShapeError};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -17,6 +22,27 @@ pub(crate) struct Solid {
     pub ambiguous: usize,
     /// Voxels of which the link along each axis is cut, whether inside or not.
     pub cuts: [Vec<[u32; 3]>; 3],
+}
+
+/// The solid of a surface on a grid, without links.
+pub(crate) fn sweep(
+    surface: &Surface,
+    frame: &Frame,
+    rule: InsideRule,
+    inside_test: InsideTest,
+) -> Result<Solid, VoxelizeError> {
+    let lattice = CentreLattice::new(frame, surface.scale, surface.reach);
+    solve(&PlacedSurface::new(surface, &lattice, rule, false), inside_test)
+}
+
+/// The same of a surface that is on its lattice already, with its cut links if it is to have any.
+pub(crate) fn solve(placed: &PlacedSurface, inside_test: InsideTest) -> Result<Solid, VoxelizeError> {
+    let mut solid = placed.solid()?;
+    if inside_test == InsideTest::Vote {
+        let (y, z) = (placed.parity_along(1)?, placed.parity_along(2)?);
+        (solid.occupancy, solid.ambiguous) = majority(&solid.occupancy, &y, &z);
+    }
+    Ok(solid)
 }
 
 #[derive(Default)]

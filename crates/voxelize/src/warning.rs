@@ -1,7 +1,3 @@
-use crate::grid_topology::thin_voxels;
-use crate::mesh_analysis::MeshAnalysis;
-use crate::surface::Surface;
-use crate::voxelization::Voxelization;
 use std::fmt;
 
 /// What the user of a voxelization should know.
@@ -123,70 +119,4 @@ impl fmt::Display for Warning {
             Self::Clipped => f.write_str("the grid does not reach around the whole mesh"),
         }
     }
-}
-
-/// The fraction of thin voxels that is worth a warning.
-const THIN: f64 = 0.01;
-
-/// The fraction of dropped or doubly covered voxels that is worth a warning: a tenth of the smallest usual
-/// region.
-const NOTABLE: f64 = 1e-3;
-
-pub(crate) fn warnings(
-    analysis: &MeshAnalysis,
-    surface: &Surface,
-    result: &Voxelization,
-    inside: usize,
-) -> Vec<Warning> {
-    let mut list = Vec::new();
-    let frame = result.grid.frame();
-    let (low, high) = (frame.locate(surface.bounds.min), frame.locate(surface.bounds.max));
-    if (0..3).any(|a| low[a] < 0.5 || high[a] > frame.dims()[a] as f64 - 0.5) {
-        list.push(Warning::Clipped);
-    }
-    let counts = &analysis.counts;
-    if counts.boundary > 0 {
-        list.push(Warning::Open { boundary_edges: counts.boundary });
-    }
-    if analysis.turned > 0 {
-        list.push(Warning::Flipped { triangles: analysis.turned });
-    }
-    if surface.inverted > 0 {
-        list.push(Warning::Inverted { bodies: surface.inverted });
-    }
-    if !analysis.duplicates.is_empty() {
-        let (triangles, dropped) = (analysis.duplicates.len(), analysis.dropped_duplicates);
-        list.push(Warning::Duplicates { triangles, dropped });
-    }
-    if counts.non_manifold > 0 {
-        list.push(Warning::NonManifold { edges: counts.non_manifold });
-    }
-    if analysis.welded {
-        list.push(Warning::Merged);
-    }
-    let fraction = result.overlap_volume / (inside as f64 * frame.voxel_volume());
-    if fraction > NOTABLE {
-        list.push(Warning::Overlap { fraction });
-    }
-    let fraction = result.dropped_voxels as f64 / inside as f64;
-    if fraction > NOTABLE {
-        let (components, voxels) = (result.dropped_components, result.dropped_voxels);
-        list.push(Warning::Dropped { components, voxels, fraction });
-    }
-    if result.ambiguous_voxels > 0 {
-        list.push(Warning::Ambiguous { voxels: result.ambiguous_voxels });
-    }
-    let mesh = analysis.euler_characteristic();
-    if let Some(mesh) =
-        mesh.filter(|&mesh| surface.shells.len() == 1 && mesh != 2 * result.topology.euler_characteristic)
-    {
-        list.push(Warning::Topology { solid: result.topology.euler_characteristic, mesh });
-    }
-    let voxels = thin_voxels(&result.grid);
-    let fraction = voxels as f64 / result.grid.len().max(1) as f64;
-    if fraction > THIN {
-        let finest = frame.spacing().into_iter().fold(f64::INFINITY, f64::min);
-        list.push(Warning::Thin { voxels, fraction, advice: finest / 2.0 });
-    }
-    list
 }
