@@ -131,7 +131,7 @@ def fixtures(path):
                 parts, _ = ndimage.label(mask, structure)
                 # Higra's trees need connected graphs.
                 cases.append((stencil, values, parts == 1 + np.bincount(parts.ravel())[1:].argmax()))
-    lines = [f'Higra {importlib.metadata.version("higra")}, by xtask/peers/tree.py fixtures']
+    lines = [f'Higra {importlib.metadata.version("higra")}, by experiments/peers/tree.py fixtures']
     number = lambda x: repr(float(x)).removesuffix('.0')
     for stencil, values, mask in cases:
         inside = -np.ones(mask.shape, int)
