@@ -33,7 +33,11 @@ impl Solved {
         Self::solve(mesh, DiscreteShape::surface(mesh), spectrum)
     }
 
-    fn solve(mesh: &TriangleMesh, shape: DiscreteShape, spectrum: &SpectrumParameters) -> Result<Self, Box<dyn Error>> {
+    fn solve(
+        mesh: &TriangleMesh,
+        shape: DiscreteShape,
+        spectrum: &SpectrumParameters,
+    ) -> Result<Self, Box<dyn Error>> {
         let basis = shape.spectrum(spectrum, NO_PROGRESS)?.basis;
         Ok(Self { vertices: mesh.vertices().len(), shape, basis })
     }

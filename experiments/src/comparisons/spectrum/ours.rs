@@ -3,7 +3,9 @@
 use std::error::Error;
 
 use mser3d::shape::Choice;
-use mser3d::spectral::{Eigensolver, Spectrum, SpectrumParameters, smallest_eigenpairs, smallest_eigenpairs_of_grid};
+use mser3d::spectral::{
+    Eigensolver, Spectrum, SpectrumParameters, smallest_eigenpairs, smallest_eigenpairs_of_grid,
+};
 use serde_json::json;
 
 use super::cases::{Case, Problem};

@@ -41,7 +41,9 @@ impl Field {
         let mut random = SplitMix64::new(1);
         let waves: Vec<[f64; 4]> = (0..12)
             .map(|_| {
-                std::array::from_fn(|i| if i < 3 { 38.0 * random.uniform() - 19.0 } else { TAU * random.uniform() })
+                std::array::from_fn(|i| {
+                    if i < 3 { 38.0 * random.uniform() - 19.0 } else { TAU * random.uniform() }
+                })
             })
             .collect();
         let at =

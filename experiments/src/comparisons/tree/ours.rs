@@ -18,8 +18,12 @@ pub fn build_and_print(weights: &str, path: &Path, dims: [usize; 3]) -> Result<(
     let build = || -> Result<ComponentTree, TreeError> {
         let difference = |u: u32, v: u32| (values[u as usize] - values[v as usize]).abs();
         match weights {
-            "edge" => ComponentTree::from_grid_edges(dims, Connectivity::Six, difference, 1.0, Polarity::Sublevel),
-            _ => ComponentTree::from_grid(dims, Connectivity::Six, black_box(&values), 1.0, Polarity::Sublevel),
+            "edge" => {
+                ComponentTree::from_grid_edges(dims, Connectivity::Six, difference, 1.0, Polarity::Sublevel)
+            }
+            _ => {
+                ComponentTree::from_grid(dims, Connectivity::Six, black_box(&values), 1.0, Polarity::Sublevel)
+            }
         }
     };
     let before = resident();

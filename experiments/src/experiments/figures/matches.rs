@@ -31,7 +31,8 @@ impl Shape {
         let mesh = unit(&mesh(path)?)?;
         let mut parameters = Parameters::default();
         parameters.voxelize.pitch = Pitch::Voxels(voxels);
-        let features = Detector::new(parameters).detect(Input::Volume(&mesh))
+        let features = Detector::new(parameters)
+            .detect(Input::Volume(&mesh))
             .map_err(|e| format!("{}: {e}", path.display()))?;
         let regions = features.regions.iter().map(|r| r.vertices.clone()).collect();
         Ok(Self { name, mesh, regions, descriptors: features.descriptors })
