@@ -2,7 +2,7 @@
 
     python tree.py probe                                   which are here, as JSON
     python tree.py METHOD FIELD NX NY NZ                   builds a tree and says what it took, as JSON
-    python tree.py fixtures FILE                           Higra's answers on small fields, for our tests
+    python tree.py fixtures FILE                           Higra's answers on small fields: comptree/tests/it/data/higra.txt
 
 METHOD is higra-vertex, higra-edge or scipy-edge. FIELD holds little-endian float64, x fastest; neighbours share
 a face, and edge weights are absolute differences. Times leave out reading and, for edge trees, making the graph
@@ -33,14 +33,14 @@ def memory(key):
         return 1024 * next(int(line.split()[1]) for line in status if line.startswith(key))
 
 
-def steps(stencil, forward_only):
+def steps(neighbours, forward_only):
     """neighbours as steps (z, y, x), ascending"""
     found = []
     for z, y, x in np.ndindex(3, 3, 3):
         step = (z - 1, y - 1, x - 1)
         distance = sum(map(abs, step))
         near = {4: step[0] == 0 and distance == 1, 8: step[0] == 0, 6: distance == 1, 18: distance <= 2, 26: True}
-        if distance > 0 and near[stencil] and (not forward_only or step > (0, 0, 0)):
+        if distance > 0 and near[neighbours] and (not forward_only or step > (0, 0, 0)):
             found.append(step)
     return found
 
@@ -55,7 +55,7 @@ def node_pairs(tree, altitudes):
 
 
 def digest(own, above):
-    """A number that trees share when their nodes of more than one vertex do: see digest.rs."""
+    """A number that trees share when their nodes of more than one vertex do: see tree/ours.rs."""
     with np.errstate(over='ignore'):
         def words(pairs):
             return pairs[:, 0].copy().view(np.uint64), pairs[:, 1].astype(np.uint64)
@@ -114,32 +114,32 @@ def run(method, path, dims):
 
 
 def fixtures(path):
-    """Small fields with and without ties, all stencils, masks, both kinds of weights."""
+    """Small fields with and without ties, all neighbourhoods, masks, both kinds of weights."""
     import higra
     from scipy import ndimage
 
     rng = np.random.default_rng(20)
     cases = []
-    for stencil, shape in ((4, (1, 7, 9)), (8, (1, 7, 9)), (6, (4, 5, 6)), (18, (4, 5, 6)), (26, (4, 5, 6))):
+    for neighbours, shape in ((4, (1, 7, 9)), (8, (1, 7, 9)), (6, (4, 5, 6)), (18, (4, 5, 6)), (26, (4, 5, 6))):
         for values in (rng.integers(0, 5, shape).astype(float), np.round(rng.standard_normal(shape), 3)):
-            cases.append((stencil, values, np.ones(shape, bool)))
-            if stencil in (6, 26):
-                mask = rng.random(shape) < (0.7 if stencil == 6 else 0.4)
+            cases.append((neighbours, values, np.ones(shape, bool)))
+            if neighbours in (6, 26):
+                mask = rng.random(shape) < (0.7 if neighbours == 6 else 0.4)
                 structure = np.zeros((3, 3, 3), bool)
-                for step in steps(stencil, False):
+                for step in steps(neighbours, False):
                     structure[tuple(1 + s for s in step)] = True
                 parts, _ = ndimage.label(mask, structure)
                 # Higra's trees need connected graphs.
-                cases.append((stencil, values, parts == 1 + np.bincount(parts.ravel())[1:].argmax()))
-    lines = [f'Higra {importlib.metadata.version("higra")}, by xtask/peers/tree.py fixtures']
+                cases.append((neighbours, values, parts == 1 + np.bincount(parts.ravel())[1:].argmax()))
+    lines = [f'Higra {importlib.metadata.version("higra")}, by experiments/peers/tree.py fixtures']
     number = lambda x: repr(float(x)).removesuffix('.0')
-    for stencil, values, mask in cases:
+    for neighbours, values, mask in cases:
         inside = -np.ones(mask.shape, int)
         inside[mask] = np.arange(mask.sum())
         weights = values[mask]
         edges = []
         for at in zip(*np.nonzero(mask)):
-            for step in steps(stencil, True):
+            for step in steps(neighbours, True):
                 to = tuple(a + s for a, s in zip(at, step))
                 if all(0 <= t < n for t, n in zip(to, mask.shape)) and mask[to]:
                     edges.append((inside[at], inside[to]))
@@ -155,7 +155,7 @@ def fixtures(path):
             area = higra.attribute_area(tree)
             leaves = tree.parents()[: tree.num_leaves()]
             lines += [
-                f'case {kind} {stencil} ' + ' '.join(map(str, values.shape[::-1])),
+                f'case {kind} {neighbours} ' + ' '.join(map(str, values.shape[::-1])),
                 'values ' + ' '.join(map(number, values.ravel())),
                 'mask ' + ''.join('01'[int(m)] for m in mask.ravel()),
                 'nodes ' + ' '.join(f'{number(a)} {int(n)} {number(b)} {int(m)}'

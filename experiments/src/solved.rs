@@ -1,4 +1,4 @@
-//! Bodies with their spectra, and what a detector finds there.
+//! Shapes with their spectra, and what a detector finds there.
 
 use std::error::Error;
 use std::path::Path;
@@ -7,14 +7,14 @@ use mser3d::descriptors::Descriptors;
 use mser3d::shape::{Eigenbasis, TriangleMesh};
 use mser3d::spectral::SpectrumParameters;
 use mser3d::voxelize::VoxelizeParameters;
-use mser3d::{Body, Parameters, Region, describe, find_regions, no_progress};
+use mser3d::{DiscreteShape, NO_PROGRESS, Parameters, Region, describe, find_regions};
 use mser3d_evaluation::{DetectedRegions, IndexSet};
 use mser3d_meshio::{ReadOptions, read_mesh};
 
-/// A body and its spectrum, which serve every detector.
+/// A shape and its spectrum, which serve every detector.
 pub struct Solved {
     vertices: usize,
-    body: Body,
+    shape: DiscreteShape,
     basis: Eigenbasis,
 }
 
@@ -25,22 +25,26 @@ impl Solved {
         voxelize: &VoxelizeParameters,
         spectrum: &SpectrumParameters,
     ) -> Result<Self, Box<dyn Error>> {
-        Self::solve(mesh, Body::volume(mesh, voxelize)?.0, spectrum)
+        Self::solve(mesh, DiscreteShape::volume(mesh, voxelize)?.0, spectrum)
     }
 
     /// The surface itself.
     pub fn surface(mesh: &TriangleMesh, spectrum: &SpectrumParameters) -> Result<Self, Box<dyn Error>> {
-        Self::solve(mesh, Body::surface(mesh), spectrum)
+        Self::solve(mesh, DiscreteShape::surface(mesh), spectrum)
     }
 
-    fn solve(mesh: &TriangleMesh, body: Body, spectrum: &SpectrumParameters) -> Result<Self, Box<dyn Error>> {
-        let basis = body.spectrum(spectrum, &no_progress)?.basis;
-        Ok(Self { vertices: mesh.vertices().len(), body, basis })
+    fn solve(
+        mesh: &TriangleMesh,
+        shape: DiscreteShape,
+        spectrum: &SpectrumParameters,
+    ) -> Result<Self, Box<dyn Error>> {
+        let basis = shape.spectrum(spectrum, NO_PROGRESS)?.basis;
+        Ok(Self { vertices: mesh.vertices().len(), shape, basis })
     }
 
     /// Size of a voxel; none on a surface.
     pub fn pitch(&self) -> Option<f64> {
-        self.body.grid().map(|grid| grid.frame().spacing()[0])
+        self.shape.grid().map(|grid| grid.frame().spacing()[0])
     }
 
     /// Volume, or area.
@@ -49,8 +53,8 @@ impl Solved {
     }
 
     /// What heat flows on.
-    pub fn body(&self) -> &Body {
-        &self.body
+    pub fn shape(&self) -> &DiscreteShape {
+        &self.shape
     }
 
     /// Its eigenpairs.
@@ -60,7 +64,7 @@ impl Solved {
 
     /// The regions that a detector finds.
     pub fn regions(&self, parameters: &Parameters) -> Result<Vec<Region>, Box<dyn Error>> {
-        Ok(find_regions(&self.body, &self.basis, parameters, &no_progress)?.regions)
+        Ok(find_regions(&self.shape, &self.basis, parameters, NO_PROGRESS)?.regions)
     }
 
     /// What a detector finds, as sets of the mesh's vertices.

@@ -43,7 +43,7 @@ def check_numpy(mesh, folder):
         "voxel_index": ("<u4", (voxels, 3)),
         "grid_origin": ("<f8", (3,)),
         "pitch": ("<f8", ()),
-        "eigenvalues": ("<f8", (record["parameters"]["spectrum"]["eigenpairs"],)),
+        "eigenvalues": ("<f8", (record["spectrum"]["eigenpairs"],)),
         "region_descriptor": ("<f8", (len(regions), 7)),
     }
     for name, (dtype, shape) in expected.items():

@@ -7,8 +7,10 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use mser3d::voxelize::Pitch;
+use mser3d::{Detector, Input, Parameters};
 use mser3d_meshio::{ReadOptions, read_mesh};
-use mser3d_results::{Match, Results, Up};
+use mser3d_results::{RegionPair, Results, Up};
 
 use crate::browser::{self, Browser, SOFTWARE_GL};
 
@@ -48,8 +50,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     }
     write(&single, html.as_bytes())?;
     // The largest region stays without a match.
-    let matches: Vec<Match> = (1..results.record.regions.len() as u32)
-        .map(|id| Match { first: id, second: id, distance: 0.0 })
+    let matches: Vec<RegionPair> = (1..results.record.regions.len() as u32)
+        .map(|id| RegionPair { first: id, second: id, distance: 0.0 })
         .collect();
     let html = results.match_page(&results, &matches, "Two figures", Up::Y)?;
     write(&pair, html.as_bytes())?;
@@ -318,9 +320,10 @@ fn quiet(browser: &Browser) -> Result<(), String> {
 
 fn detect(arguments: &Arguments) -> Result<Results, String> {
     let mesh = read_mesh(&arguments.input, &ReadOptions::default()).map_err(|e| e.to_string())?.mesh;
-    let mut parameters = mser3d::Parameters::default();
-    parameters.voxelize.pitch = mser3d::voxelize::Pitch::Voxels(arguments.voxels);
-    let features = mser3d::detect(&mesh, mser3d::Domain::Volume, &parameters, &mser3d::no_progress)
+    let mut parameters = Parameters::default();
+    parameters.voxelize.pitch = Pitch::Voxels(arguments.voxels);
+    let features = Detector::new(parameters)
+        .detect(Input::Volume(&mesh))
         .map_err(|e| format!("{}: {e}", arguments.input.display()))?;
     let path = arguments.input.to_string_lossy();
     Results::new(&features, Some(&mesh), &path).map_err(|e| e.to_string())

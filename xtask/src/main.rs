@@ -8,6 +8,7 @@ mod dist;
 mod fixtures;
 mod interop;
 mod pictures;
+mod schema;
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -34,6 +35,8 @@ enum Command {
     Interop(interop::Arguments),
     /// Make the pictures in docs/images again
     Pictures(pictures::Arguments),
+    /// Write the JSON Schemas of regions.json and msv.json to docs/
+    Schema(schema::Arguments),
     /// Experiments: compare with other people's libraries
     Bench(delegate::Arguments),
     /// Experiments: make the paper's figures in docs/results again
@@ -60,6 +63,7 @@ fn run(command: Command) -> Result<ExitCode, Box<dyn Error>> {
         Command::Fixtures(arguments) => fixtures::run(&arguments)?,
         Command::Interop(arguments) => interop::run(&arguments)?,
         Command::Pictures(arguments) => pictures::run(&arguments)?,
+        Command::Schema(arguments) => schema::run(&arguments)?,
         Command::Bench(arguments) => return delegate::run("bench", &arguments),
         Command::Figures(arguments) => return delegate::run("figures", &arguments),
         Command::Poses(arguments) => return delegate::run("poses", &arguments),

@@ -66,7 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let series: Vec<Case> = series().into_iter().flat_map(|s| s.cases).map(|(_, case)| case).collect();
         let mut known = all.iter().chain(&series);
         let case = known.find(|c| c.name == *case).ok_or_else(|| format!("no case {case}"))?;
-        return ours::solve_and_print(case, solver);
+        return ours::solve_and_print(case, solver.parse()?);
     }
     let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/results");
     let output = arguments.output.clone().unwrap_or(default);

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use mser3d::Parameters;
-use mser3d::comptree::Mode;
+use mser3d::comptree::StabilityRule;
 use mser3d::shape::TriangleMesh;
 use mser3d::spectral::SpectrumParameters;
 use mser3d::voxelize::{Pitch, VoxelizeParameters};
@@ -32,12 +32,12 @@ pub struct Arguments {
     eigenpairs: usize,
 }
 
-/// Title, mode, and whether links that the surface crosses are cut.
-const DETECTORS: [(&str, Mode, bool); 4] = [
-    ("default", Mode::Windowed { window: 0.2 }, true),
-    ("paper", Mode::Paper, true),
-    ("baseline", Mode::Baseline, true),
-    ("no cut links", Mode::Windowed { window: 0.2 }, false),
+/// Title, stability rule, and whether links that the surface crosses are cut.
+const DETECTORS: [(&str, StabilityRule, bool); 4] = [
+    ("default", StabilityRule::Windowed, true),
+    ("paper", StabilityRule::Paper, true),
+    ("baseline", StabilityRule::Baseline, true),
+    ("no cut links", StabilityRule::Windowed, false),
 ];
 
 /// Prints the scores of every detector on every pose.
@@ -85,9 +85,9 @@ fn score_detectors(
         let pose = isometry(null.mesh(), &mesh(path)?)?;
         others.push((stem(path), solve(&pose.mesh, pitch)?));
     }
-    for (title, mode, _) in DETECTORS.iter().filter(|(_, _, cut)| *cut == cut_links) {
+    for (title, rule, _) in DETECTORS.iter().filter(|(_, _, cut)| *cut == cut_links) {
         let mut parameters = Parameters::default();
-        parameters.stability.mode = *mode;
+        parameters.stability.rule = *rule;
         parameters.reference_measure = Some(rest.measure());
         let on_null = rest.detect(&parameters)?;
         println!("{title:13} {:20} {:7}", stem(null_path), on_null.regions.len());

@@ -7,7 +7,7 @@ use std::path::Path;
 use mser3d::spectral::Eigensolver;
 
 use super::cases::{Case, series};
-use super::solvers::{Solver, our_command};
+use super::solvers::our_command;
 use crate::comparisons::python::answer;
 use crate::comparisons::resources::processor;
 
@@ -62,7 +62,7 @@ pub fn run(folder: &Path, repeat: usize) -> Result<(), Box<dyn Error>> {
 
 /// Solves a case in a process of its own.
 fn cost(size: usize, case: &Case) -> Result<Cost, Box<dyn Error>> {
-    let mut command = our_command(Solver::Ours(Eigensolver::Auto), case)?;
+    let mut command = our_command(Eigensolver::Auto, case)?;
     let answer = answer(command.env("RAYON_NUM_THREADS", "1"))?;
     let number = |key: &str| answer[key].as_f64().unwrap_or(f64::NAN);
     Ok(Cost { size, cpu: number("cpu"), peak: number("peak"), applications: number("applications") })

@@ -2,17 +2,18 @@
 
 use std::error::Error;
 
-use mser3d::spectral::{Spectrum, SpectrumParameters, smallest_eigenpairs, smallest_eigenpairs_of_grid};
+use mser3d::shape::Choice;
+use mser3d::spectral::{
+    Eigensolver, Spectrum, SpectrumParameters, smallest_eigenpairs, smallest_eigenpairs_of_grid,
+};
 use serde_json::json;
 
 use super::cases::{Case, Problem};
 use super::exchange::residual_and_orthogonality;
-use super::solvers::Solver;
 use crate::comparisons::resources::Stopwatch;
 
 /// Solves a case and prints what it took and what came out, as JSON.
-pub fn solve_and_print(case: &Case, solver: &str) -> Result<(), Box<dyn Error>> {
-    let solver = Solver::ours(solver).ok_or_else(|| format!("no solver of ours is called {solver}"))?;
+pub fn solve_and_print(case: &Case, solver: Eigensolver) -> Result<(), Box<dyn Error>> {
     let parameters = SpectrumParameters {
         eigenpairs: case.eigenpairs.into(),
         tolerance: case.tolerance,
@@ -44,7 +45,7 @@ pub fn solve_and_print(case: &Case, solver: &str) -> Result<(), Box<dyn Error>> 
         "residual": residual,
         "orthogonality": orthogonality,
         "digest": format!("{:016x}", digest(&spectrum)),
-        "method": spectrum.report.solver,
+        "solver": spectrum.report.solver.name(),
         "applications": spectrum.report.applications,
     });
     println!("{answer}");

@@ -6,6 +6,7 @@ use std::process::Command;
 
 use super::cases::{Case, Shape};
 use crate::comparisons::python::{Python, PythonArguments};
+use mser3d::shape::Choice;
 use mser3d::spectral::Eigensolver;
 
 /// Who solves.
@@ -24,29 +25,18 @@ pub struct Peers {
     versions: Vec<(Solver, String)>,
 }
 
-const OURS: [(Eigensolver, &str); 3] = [
-    (Eigensolver::Auto, "mser3d"),
-    (Eigensolver::Filter, "mser3d filter"),
-    (Eigensolver::ShiftInvert, "mser3d shift-invert"),
-];
-
 impl Solver {
     /// As the tables call it.
     pub fn label(self) -> &'static str {
         match self {
-            Self::Ours(solver) => {
-                OURS.iter().find(|(s, _)| *s == solver).map_or("mser3d", |(_, label)| label)
-            }
+            Self::Ours(Eigensolver::Auto) => "mser3d",
+            Self::Ours(Eigensolver::Filter) => "mser3d filter",
+            Self::Ours(Eigensolver::ShiftInvert) => "mser3d shift-invert",
             Self::Spectra => "Spectra + CHOLMOD",
             Self::ScipyCholmod => "SciPy + CHOLMOD",
             Self::ScipySuperLu => "SciPy + SuperLU",
             Self::Lapy => "LaPy",
         }
-    }
-
-    /// Ours by label.
-    pub fn ours(label: &str) -> Option<Eigensolver> {
-        OURS.iter().find(|(_, l)| *l == label).map(|(solver, _)| *solver)
     }
 
     /// How to get it.
@@ -155,7 +145,7 @@ impl Peers {
     ) -> Result<Command, Box<dyn Error>> {
         let numbers = [case.eigenpairs.to_string(), case.tolerance.to_string()];
         let mut command = match solver {
-            Solver::Ours(_) => return our_command(solver, case),
+            Solver::Ours(solver) => return our_command(solver, case),
             Solver::Spectra => Command::new(self.python.folder.join("spectra")),
             _ => {
                 let mut command = self.python.script("spectrum.py");
@@ -169,9 +159,9 @@ impl Peers {
 }
 
 /// The command that solves a case by a solver of ours and prints the answer.
-pub fn our_command(solver: Solver, case: &Case) -> Result<Command, Box<dyn Error>> {
+pub fn our_command(solver: Eigensolver, case: &Case) -> Result<Command, Box<dyn Error>> {
     let mut command = Command::new(std::env::current_exe()?);
-    command.args(["bench", "spectrum", "--child", &case.name, solver.label()]);
+    command.args(["bench", "spectrum", "--child", &case.name, solver.name()]);
     Ok(command)
 }
 

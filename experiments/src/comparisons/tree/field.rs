@@ -5,6 +5,8 @@ use std::f64::consts::TAU;
 use std::fs;
 use std::path::Path;
 
+use mser3d::shape::SplitMix64;
+
 /// A field on a box, x fastest.
 pub struct Field {
     pub name: &'static str,
@@ -36,10 +38,12 @@ impl Field {
     }
 
     pub fn values(&self) -> Vec<f64> {
-        let mut random = Random(1);
+        let mut random = SplitMix64::new(1);
         let waves: Vec<[f64; 4]> = (0..12)
             .map(|_| {
-                std::array::from_fn(|i| if i < 3 { 38.0 * random.next() - 19.0 } else { TAU * random.next() })
+                std::array::from_fn(|i| {
+                    if i < 3 { 38.0 * random.uniform() - 19.0 } else { TAU * random.uniform() }
+                })
             })
             .collect();
         let at =
@@ -49,9 +53,9 @@ impl Field {
             waves.iter().map(|[a, b, c, phase]| (a * x + b * y + c * z + phase).sin()).sum()
         };
         let value = |v: usize| match self.kind {
-            Kind::Smooth => smooth(v) + 0.007 * (random.next() - 0.5),
+            Kind::Smooth => smooth(v) + 0.007 * (random.uniform() - 0.5),
             Kind::Grey => (smooth(v) * 8.0).round(),
-            Kind::Noise => random.next(),
+            Kind::Noise => random.uniform(),
         };
         (0..self.len()).map(value).collect()
     }
@@ -60,21 +64,4 @@ impl Field {
     pub fn write(&self, path: &Path) -> Result<(), Box<dyn Error>> {
         Ok(fs::write(path, self.values().into_iter().flat_map(f64::to_le_bytes).collect::<Vec<u8>>())?)
     }
-}
-
-/// SplitMix64 (Steele, Lea, Flood 2014): numbers in [0, 1), the same everywhere.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        (mix(self.0) >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
-
-/// SplitMix64's output function.
-pub fn mix(mut h: u64) -> u64 {
-    h = (h ^ (h >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    h = (h ^ (h >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    h ^ (h >> 31)
 }

@@ -4,10 +4,10 @@ use std::error::Error;
 use std::hint::black_box;
 use std::path::Path;
 
-use mser3d::comptree::{ComponentTree, Polarity, Stencil, TreeError};
+use mser3d::comptree::{ComponentTree, Polarity, TreeError};
+use mser3d::shape::{Connectivity, SplitMix64};
 use serde_json::json;
 
-use super::field::mix;
 use crate::comparisons::resources::{Stopwatch, resident};
 
 /// Builds the tree of a field and prints what it took and what came out, as JSON. A small one is built many
@@ -18,8 +18,12 @@ pub fn build_and_print(weights: &str, path: &Path, dims: [usize; 3]) -> Result<(
     let build = || -> Result<ComponentTree, TreeError> {
         let difference = |u: u32, v: u32| (values[u as usize] - values[v as usize]).abs();
         match weights {
-            "edge" => ComponentTree::from_grid_edges(dims, Stencil::Six, difference, 1.0, Polarity::Sublevel),
-            _ => ComponentTree::from_grid(dims, Stencil::Six, black_box(&values), 1.0, Polarity::Sublevel),
+            "edge" => {
+                ComponentTree::from_grid_edges(dims, Connectivity::Six, difference, 1.0, Polarity::Sublevel)
+            }
+            _ => {
+                ComponentTree::from_grid(dims, Connectivity::Six, black_box(&values), 1.0, Polarity::Sublevel)
+            }
         }
     };
     let before = resident();
@@ -56,7 +60,7 @@ fn digest(tree: &ComponentTree) -> (u64, usize) {
     let hash = |node: u32| {
         let ([a, n], [b, m]) = (pair(node), pair(tree.parent(node).unwrap_or(node)));
         let sum = [a, n, b, m].into_iter().zip(FACTORS).map(|(x, factor)| x.wrapping_mul(factor));
-        mix(sum.fold(0, u64::wrapping_add))
+        SplitMix64::mix(sum.fold(0, u64::wrapping_add))
     };
     let large = (0..tree.len() as u32).filter(|&node| tree.vertices(node).len() > 1);
     large.fold((0, 0), |(sum, count), node| (sum.wrapping_add(hash(node)), count + 1))

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use mser3d::shape::TriangleMesh;
-use mser3d::voxelize::{Method, Pitch, VoxelizeError, VoxelizeParameters, inside, voxelize};
+use mser3d::voxelize::{InsideTest, Pitch, VoxelizeError, VoxelizeParameters, inside, voxelize};
 use serde_json::{Value, json};
 
 use super::super::resources::{Stopwatch, resident};
@@ -26,7 +26,7 @@ pub fn run_and_print(job: &Path, task: &str) -> Result<(), Box<dyn Error>> {
     let mesh = read_mesh(&path("vertices")?, &path("triangles")?)?;
     let pitch = Pitch::Resolution(resolution as usize);
     let diagnosed = VoxelizeParameters { pitch, ..Default::default() };
-    let parity = VoxelizeParameters { method: Method::Parity, ..diagnosed.clone() };
+    let parity = VoxelizeParameters { inside: InsideTest::Parity, ..diagnosed.clone() };
     let run = || -> Result<(), VoxelizeError> {
         match task {
             "parity" => inside(&mesh, &parity).map(drop),

@@ -3,8 +3,7 @@
 use std::error::Error;
 
 use mser3d::shape::TriangleMesh;
-
-type Vec3 = [f64; 3];
+use mser3d::shape::vector::{Vec3, cross, norm, sub};
 
 /// How a collapse is computed.
 #[derive(Clone, Copy, Debug)]
@@ -40,7 +39,7 @@ pub fn collapse(
     let edges: Vec<([usize; 2], f64)> = graph
         .edges()
         .map(|[a, b]| {
-            ([a as usize, b as usize], length(sub(mesh.vertices()[a as usize], mesh.vertices()[b as usize])))
+            ([a as usize, b as usize], norm(sub(mesh.vertices()[a as usize], mesh.vertices()[b as usize])))
         })
         .collect();
     let whole = mesh.signed_volume();
@@ -85,7 +84,7 @@ pub fn collapse(
 /// Moves both ends of an edge until it has its length.
 fn restore(places: &mut [Vec3], &([a, b], rest): &([usize; 2], f64)) {
     let along = sub(places[a], places[b]);
-    let now = length(along);
+    let now = norm(along);
     if now > 0.0 {
         let move_by = 0.5 * (rest - now) / now;
         for axis in 0..3 {
@@ -98,7 +97,7 @@ fn restore(places: &mut [Vec3], &([a, b], rest): &([usize; 2], f64)) {
 /// How much edges changed: the mean of |l' / l - 1| and the value that 95 % of the edges are below.
 pub fn strain(before: &TriangleMesh, after: &TriangleMesh) -> (f64, f64) {
     let edge = |mesh: &TriangleMesh, [a, b]: [u32; 2]| {
-        length(sub(mesh.vertices()[a as usize], mesh.vertices()[b as usize]))
+        norm(sub(mesh.vertices()[a as usize], mesh.vertices()[b as usize]))
     };
     let graph = before.edge_graph();
     let mut changes: Vec<f64> =
@@ -113,21 +112,12 @@ fn vertex_normals(mesh: &TriangleMesh) -> Vec<Vec3> {
     let mut normals = vec![[0.0; 3]; mesh.vertices().len()];
     for (t, triangle) in mesh.triangles().iter().enumerate() {
         let [a, b, c] = mesh.corners(t);
-        let (u, v) = (sub(b, a), sub(c, a));
-        let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        let n = cross(sub(b, a), sub(c, a));
         for &corner in triangle {
             (0..3).for_each(|i| normals[corner as usize][i] += n[i]);
         }
     }
-    normals.iter().map(|n| n.map(|x| x / length(*n).max(f64::MIN_POSITIVE))).collect()
-}
-
-fn sub(a: Vec3, b: Vec3) -> Vec3 {
-    std::array::from_fn(|i| a[i] - b[i])
-}
-
-fn length(a: Vec3) -> f64 {
-    a.iter().map(|x| x * x).sum::<f64>().sqrt()
+    normals.iter().map(|n| n.map(|x| x / norm(*n).max(f64::MIN_POSITIVE))).collect()
 }
 
 #[cfg(test)]

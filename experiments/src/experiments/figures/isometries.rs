@@ -102,7 +102,7 @@ struct Side {
 
 impl Side {
     fn new(domain: Domain, rest: &TriangleMesh, voxels: usize) -> Result<Self, Box<dyn Error>> {
-        let weight = if domain == Domain::Volume { Weight::Heat } else { Weight::HeatEdge };
+        let weight = if domain == Domain::Volume { Weight::Heat } else { Weight::Edge };
         let parameters = Parameters { weight, ..Default::default() };
         let mut side =
             Self { domain, parameters, pitch: Pitch::Voxels(voxels), found: DetectedRegions::default() };

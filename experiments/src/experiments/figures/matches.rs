@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use mser3d::descriptors::{Descriptors, MatchParameters, match_descriptors};
 use mser3d::shape::TriangleMesh;
 use mser3d::voxelize::Pitch;
-use mser3d::{Domain, Parameters, detect, no_progress};
+use mser3d::{Detector, Input, Parameters};
 use mser3d_viewer::{Model, PALETTE, Panel, RenderOptions, View, render};
 
 use super::fixture_path;
@@ -31,7 +31,8 @@ impl Shape {
         let mesh = unit(&mesh(path)?)?;
         let mut parameters = Parameters::default();
         parameters.voxelize.pitch = Pitch::Voxels(voxels);
-        let features = detect(&mesh, Domain::Volume, &parameters, &no_progress)
+        let features = Detector::new(parameters)
+            .detect(Input::Volume(&mesh))
             .map_err(|e| format!("{}: {e}", path.display()))?;
         let regions = features.regions.iter().map(|r| r.vertices.clone()).collect();
         Ok(Self { name, mesh, regions, descriptors: features.descriptors })

@@ -41,7 +41,7 @@ pub fn draw(voxels: usize, path: &Path) -> Result<(), Box<dyn Error>> {
         let labels = innermost(mesh.vertices().len(), &sets);
         let surface = Colours::Regions { labels: &labels, colours: &colours };
         outside.push(Model::from_mesh(&mesh, surface)?);
-        let grid = solved.body().grid().ok_or("a solid without voxels")?;
+        let grid = solved.shape().grid().ok_or("a solid without voxels")?;
         let mut voxels: Vec<Rgb> = vec![NO_REGION; grid.len()];
         // By descending volume: the innermost is the last.
         for (region, colour) in regions.iter().zip(&colours) {

@@ -1,6 +1,6 @@
 //! The choices that are compared: each differs from the defaults in one thing.
 
-use mser3d::comptree::{AltitudeScale, Mode};
+use mser3d::comptree::{AltitudeScale, StabilityRule};
 use mser3d::descriptors::TimeScale;
 use mser3d::{Parameters, Weight};
 
@@ -15,7 +15,7 @@ pub struct Detector {
     pub all_neighbours: bool,
 }
 
-/// All detectors; the first is the default, then the other modes.
+/// All detectors; the first is the default, then the other stability rules.
 pub fn all() -> Vec<Detector> {
     let mut all = Vec::new();
     let mut add = |group, title: &str, change: &dyn Fn(&mut Parameters)| {
@@ -24,14 +24,14 @@ pub fn all() -> Vec<Detector> {
         all.push(Detector { group, title: title.into(), parameters, all_neighbours: group == NEIGHBOURS });
     };
     add("mode", "default", &|_| {});
-    add("mode", "paper", &|p| p.stability.mode = Mode::Paper);
-    add("mode", "baseline", &|p| p.stability.mode = Mode::Baseline);
+    add("mode", "paper", &|p| p.stability.rule = StabilityRule::Paper);
+    add("mode", "baseline", &|p| p.stability.rule = StabilityRule::Baseline);
     for window in [0.05, 0.1, 0.3, 0.4] {
         let title = format!("window {window}");
-        add("window", &title, &|p| p.stability.mode = Mode::Windowed { window });
+        add("window", &title, &|p| p.stability.window = window);
     }
-    add("weight", "commute time", &|p| p.weight = Weight::CommuteTime);
-    add("weight", "1/H(u,v) on links", &|p| p.weight = Weight::HeatEdge);
+    add("weight", "commute time", &|p| p.weight = Weight::Commute);
+    add("weight", "1/H(u,v) on links", &|p| p.weight = Weight::Edge);
     for scales in [
         &[0.25][..],
         &[0.5],
@@ -58,7 +58,7 @@ pub fn all() -> Vec<Detector> {
     add(NEIGHBOURS, "26 neighbours", &|_| {});
     add("altitude", "linear altitude, window 0.2 of the mean", &|p| {
         // Times the volume, the mean of H is about 1 to 2 at these times.
-        p.stability.scale = AltitudeScale::Linear;
+        p.stability.altitude = AltitudeScale::Linear;
     });
     for overlap in [0.7, 0.9] {
         let title = format!("duplicates from {overlap}");

@@ -1,6 +1,6 @@
 //! The detectors and descriptors that are compared.
 
-use mser3d::comptree::Mode;
+use mser3d::comptree::StabilityRule;
 use mser3d::{Domain, Parameters, Weight};
 
 /// A detector, and the descriptors that its regions are matched by.
@@ -87,16 +87,16 @@ fn all() -> Vec<Detector> {
     };
     let mut default = detector("volume-heat", Volume, |_| {});
     default.descriptors = &[SizedSiHks, SiHks, Hks, Vocabulary, IntegralInvariants, SurfaceSiHks];
-    let mut paper = detector("volume-heat-paper", Volume, |p| p.stability.mode = Mode::Paper);
+    let mut paper = detector("volume-heat-paper", Volume, |p| p.stability.rule = StabilityRule::Paper);
     paper.descriptors = &[SizedSiHks, SiHks];
     vec![
         default,
         paper,
-        detector("volume-heat-baseline", Volume, |p| p.stability.mode = Mode::Baseline),
+        detector("volume-heat-baseline", Volume, |p| p.stability.rule = StabilityRule::Baseline),
         detector("volume-heat-uncut", UncutVolume, |_| {}),
-        detector("volume-commute", Volume, |p| p.weight = Weight::CommuteTime),
-        detector("volume-edge", Volume, |p| p.weight = Weight::HeatEdge),
-        detector("surface-edge", Surface, |p| p.weight = Weight::HeatEdge),
+        detector("volume-commute", Volume, |p| p.weight = Weight::Commute),
+        detector("volume-edge", Volume, |p| p.weight = Weight::Edge),
+        detector("surface-edge", Surface, |p| p.weight = Weight::Edge),
     ]
 }
 

@@ -116,7 +116,7 @@ impl Shared {
                 digest.detection(detection);
                 detection.write(&store.folder(entry)?, name)?;
             }
-            let grid = media.get(detector.medium)?.body().grid().cloned();
+            let grid = media.get(detector.medium)?.shape().grid().cloned();
             shared.found.push(OnNull { digest, regions: found.regions, grid });
         }
         Ok(shared)
@@ -145,7 +145,7 @@ impl Shared {
             for (entry, detection) in &found.entries {
                 detection.write(&store.folder(entry)?, name)?;
             }
-            let grid = media.get(detector.medium)?.body().grid();
+            let grid = media.get(detector.medium)?.shape().grid();
             if let (Some(map), Some(null_grid), Some(grid)) = (map, &null.grid, grid) {
                 let overlaps =
                     best_overlaps(null_grid, &elements(&null.regions), map, grid, &elements(&found.regions));
@@ -237,7 +237,7 @@ impl Shared {
         regions: &[Region],
         scaled: bool,
     ) -> Result<Descriptors, Box<dyn Error>> {
-        let grid = solved.body().grid().ok_or("integral invariants need voxels")?;
+        let grid = solved.shape().grid().ok_or("integral invariants need voxels")?;
         let unit = (!scaled).then_some(self.volume.cbrt());
         let parameters = IntegralInvariantParameters { unit, ..Default::default() };
         Ok(region_descriptors(&elements(regions), solved.basis().mass(), |voxels| {
