@@ -7,6 +7,7 @@ mod delegate;
 mod dist;
 mod fixtures;
 mod interop;
+mod package;
 mod pictures;
 mod schema;
 
@@ -33,6 +34,8 @@ enum Command {
     Fixtures(fixtures::Arguments),
     /// Open what mser3d writes with each format's own library
     Interop(interop::Arguments),
+    /// Package the crates as for crates.io, and use one of them in a fresh project
+    Package(package::Arguments),
     /// Make the pictures in docs/images again
     Pictures(pictures::Arguments),
     /// Write the JSON Schemas of regions.json and msv.json to docs/
@@ -62,6 +65,7 @@ fn run(command: Command) -> Result<ExitCode, Box<dyn Error>> {
         Command::Dist(arguments) => dist::run(&arguments)?,
         Command::Fixtures(arguments) => fixtures::run(&arguments)?,
         Command::Interop(arguments) => interop::run(&arguments)?,
+        Command::Package(arguments) => package::run(&arguments)?,
         Command::Pictures(arguments) => pictures::run(&arguments)?,
         Command::Schema(arguments) => schema::run(&arguments)?,
         Command::Bench(arguments) => return delegate::run("bench", &arguments),

@@ -105,7 +105,7 @@ impl MatchRecord {
             mser3d: env!("CARGO_PKG_VERSION").to_owned(),
             first: path(first),
             second: path(second),
-            parameters: parameters.clone(),
+            parameters: *parameters,
             result: result.clone(),
         }
     }

@@ -11,17 +11,17 @@ use serde::{Deserialize, Serialize};
 /// The layout of `regions.json` and `features.npz` that this version writes and reads.
 pub const FORMAT: u32 = 2;
 
-/// What `regions.json` says: what was read, how it was treated, and what was found.
-///
-/// This is its one author: whoever writes or reads the file does it through this type. Its JSON Schema is
+/// What `regions.json` says: what was read, how it was treated, and what was found. Its JSON Schema is
 /// `docs/regions.schema.json`.
+///
+/// This type is the file's one author: whoever writes or reads it does so through this type.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Record {
     /// The version of mser3d that found the regions.
     pub mser3d: String,
-    /// [`FORMAT`]. Programs refuse others.
+    /// The layout of the folder: [`FORMAT`]. Programs refuse others.
     pub format: u32,
     /// What was read.
     pub input: InputRecord,
@@ -216,7 +216,7 @@ impl Record {
             time_scale: t.time_scale,
             time: t.time,
             polarity: t.tree.polarity(),
-            selection: t.selection.report.clone(),
+            selection: t.selection.report,
         });
         let warnings = features.warnings.iter().map(ToString::to_string);
         Self {
@@ -229,7 +229,7 @@ impl Record {
             spectrum: SpectrumRecord {
                 eigenpairs: features.basis.eigenvalues().len(),
                 largest_eigenvalue: features.basis.eigenvalues().last().copied(),
-                report: features.spectrum.clone(),
+                report: features.spectrum,
             },
             trees: trees.collect(),
             duplicates: features.duplicates,

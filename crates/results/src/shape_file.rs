@@ -45,7 +45,7 @@ pub enum Contents {
     /// A mesh.
     Mesh(Box<LoadedMesh>),
     /// A solid as a voxel mask.
-    Mask(VoxelGrid),
+    Mask(Box<VoxelGrid>),
 }
 
 impl ShapeFile {
@@ -62,7 +62,7 @@ impl ShapeFile {
             Some(_) if pose.animation.is_some() => {
                 return Err(ResultsError::NoMesh { path: path.to_owned(), option: "--animation" });
             }
-            Some(format) => Contents::Mask(read_solid(path, format)?),
+            Some(format) => Contents::Mask(Box::new(read_solid(path, format)?)),
             None => {
                 let format = MeshFormat::of(path, &bytes)?;
                 Contents::Mesh(Box::new(read_mesh_from(format, &bytes, path, pose)?))
@@ -84,7 +84,7 @@ impl ShapeFile {
     pub fn with_pitch(mut self, pitch: Pitch) -> Result<Self, ResultsError> {
         if let (Contents::Mask(grid), Pitch::Size(h)) = (&mut self.contents, pitch) {
             let frame = Frame::new(grid.frame().dims(), [0.0; 3], [h; 3])?;
-            *grid = VoxelGrid::solid(frame, grid.occupancy().clone())?;
+            **grid = VoxelGrid::solid(frame, grid.occupancy().clone())?;
         }
         Ok(self)
     }

@@ -1,5 +1,6 @@
 //! Chains of nodes between real merges: branch decomposition (Pascucci et al. 2004) with a minimum volume.
-use super::{Levels, Merge};
+use super::levels::Levels;
+use super::region::Merge;
 use crate::ComponentTree;
 
 /// A chain of nodes between two real merges, from the smallest up, with strictly rising levels.

@@ -1,5 +1,6 @@
 //! Eq. 5 as published, node by node; and the baseline without any stability.
-use super::{Candidate, Levels};
+use super::levels::Levels;
+use super::region::Candidate;
 use crate::ComponentTree;
 
 /// The nodes whose stability (eq. 5, the derivative as the difference to the parent) is not exceeded

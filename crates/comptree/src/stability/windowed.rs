@@ -3,7 +3,8 @@
 use std::collections::VecDeque;
 
 use super::branches::{self, Branch};
-use super::{Candidate, Levels};
+use super::levels::Levels;
+use super::region::Candidate;
 
 /// Instabilities that differ by less than this fraction tie: the width of a window is rounded.
 const TIE: f64 = 1e-12;

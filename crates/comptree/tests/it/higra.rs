@@ -1,5 +1,5 @@
 //! Higra's answers on small fields (Perret et al. 2019), with ties, masks and all stencils: its min-trees and
-//! quasi-flat zones have the same nodes. `xtask/peers/tree.py fixtures` asked it.
+//! quasi-flat zones have the same nodes. `experiments/peers/tree.py fixtures` asked it.
 use mser3d_comptree::{ComponentTree, Polarity};
 use mser3d_shape::{BitGrid, Connectivity, Frame, VoxelGrid};
 

@@ -71,7 +71,7 @@ where
             let line = line.trim_start().strip_prefix("- ").unwrap_or_default();
             line.split_once(':').is_some_and(|(n, about)| n == name && !about.trim().is_empty())
         };
-        assert!(entry.iter().any(|line| says(line)), "{option} {name} is not in {entry:#?}");
+        assert!(entry.iter().any(says), "{option} {name} is not in {entry:#?}");
         assert!(docs.contains(&format!("`{name}`")), "{option} {name} is not documented");
     }
     let error = "no-such-name".parse::<T>().err().unwrap().to_string();

@@ -53,7 +53,7 @@ impl MsvSearchParameters {
         let integers =
             volume.channels() == 1 && !matches!(volume.samples(), Samples::F32(_) | Samples::F64(_));
         let delta = self.delta.unwrap_or_else(|| if integers { 5.0 } else { 0.02 * range(volume) });
-        MsvParameters { delta, step: if integers { 1.0 } else { delta }, ..self.msv.clone() }
+        MsvParameters { delta, step: if integers { 1.0 } else { delta }, ..self.msv }
     }
 }
 

@@ -15,7 +15,7 @@ pub const MSV_RECORD: &str = "msv.json";
 pub struct MsvRecord {
     /// The version of mser3d that found the regions.
     pub mser3d: String,
-    /// [`FORMAT`].
+    /// The layout of the folder: [`FORMAT`]. Programs refuse others.
     pub format: u32,
     /// The file.
     pub volume: String,

@@ -2,8 +2,8 @@
 //! volume hierarchies*, 2007.
 
 use super::{Bvh, Node};
-use mser3d_shape::BoundingBox;
 use mser3d_shape::vector::Vec3;
+use mser3d_shape::{BoundingBox, TriangleMesh};
 
 const BINS: usize = 16;
 /// Triangles that a leaf may hold when splitting it does not pay.
@@ -43,16 +43,24 @@ fn half_area(bounds: &BoundingBox) -> f64 {
     if x < 0.0 { 0.0 } else { x * y + y * z + z * x }
 }
 
-pub(super) fn build(corners: Vec<[Vec3; 3]>) -> Bvh {
-    let item = |(number, triangle): (usize, &[Vec3; 3])| {
-        let bounds = triangle.iter().fold(NOTHING, |b, &p| joined(b, &BoundingBox { min: p, max: p }));
-        Item { bounds, number: number as u32 }
-    };
-    let mut items: Vec<Item> = corners.iter().enumerate().map(item).collect();
-    let nodes = if items.is_empty() { Vec::new() } else { subtree(&mut items, 0) };
-    let numbers: Vec<u32> = items.iter().map(|i| i.number).collect();
-    let corners = numbers.iter().map(|&t| corners[t as usize]).collect();
-    Bvh { nodes, numbers, corners }
+impl Bvh {
+    /// A hierarchy over all triangles of a mesh.
+    pub fn new(mesh: &TriangleMesh) -> Self {
+        Self::over((0..mesh.triangles().len()).map(|t| mesh.corners(t)).collect())
+    }
+
+    /// A hierarchy over loose triangles.
+    pub(crate) fn over(corners: Vec<[Vec3; 3]>) -> Self {
+        let item = |(number, triangle): (usize, &[Vec3; 3])| {
+            let bounds = triangle.iter().fold(NOTHING, |b, &p| joined(b, &BoundingBox { min: p, max: p }));
+            Item { bounds, number: number as u32 }
+        };
+        let mut items: Vec<Item> = corners.iter().enumerate().map(item).collect();
+        let nodes = if items.is_empty() { Vec::new() } else { subtree(&mut items, 0) };
+        let numbers: Vec<u32> = items.iter().map(|i| i.number).collect();
+        let corners = numbers.iter().map(|&t| corners[t as usize]).collect();
+        Self { nodes, numbers, corners }
+    }
 }
 
 /// The nodes over some items, depth first, `first` being the place of items[0] in leaf order.

@@ -11,8 +11,8 @@ pub use nearest::NearestPoint;
 pub use rays::Hit;
 pub use winding::WindingTree;
 
+use mser3d_shape::BoundingBox;
 use mser3d_shape::vector::Vec3;
-use mser3d_shape::{BoundingBox, TriangleMesh};
 
 /// A bounding volume hierarchy over the triangles of a mesh (binned surface-area heuristic, Wald 2007).
 ///
@@ -40,16 +40,6 @@ struct Node {
 }
 
 impl Bvh {
-    /// A hierarchy over all triangles of a mesh.
-    pub fn new(mesh: &TriangleMesh) -> Self {
-        Self::over((0..mesh.triangles().len()).map(|t| mesh.corners(t)).collect())
-    }
-
-    /// A hierarchy over loose triangles.
-    pub(crate) fn over(corners: Vec<[Vec3; 3]>) -> Self {
-        build::build(corners)
-    }
-
     /// Number of triangles.
     pub fn len(&self) -> usize {
         self.numbers.len()

@@ -6,7 +6,7 @@ use std::collections::{BTreeSet, BinaryHeap};
 use mser3d_shape::TriangleMesh;
 use mser3d_shape::vector::{Vec3, cross, dot, norm, sub, unit};
 
-use super::Transformed;
+use super::transformed::Transformed;
 use crate::EvaluationError;
 use crate::surface_point::normal;
 

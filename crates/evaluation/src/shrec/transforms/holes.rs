@@ -6,8 +6,8 @@ use std::collections::BinaryHeap;
 use mser3d_shape::vector::{norm, sub};
 use mser3d_shape::{Graph, TriangleMesh};
 
-use super::Transformed;
 use super::random::Random;
+use super::transformed::Transformed;
 use crate::EvaluationError;
 
 /// `count` discs of a radius along the surface removed, about random places.

@@ -3,8 +3,8 @@
 use mser3d_shape::TriangleMesh;
 use mser3d_shape::vector::{Vec3, add, scale, unit};
 
-use super::Transformed;
 use super::random::Random;
+use super::transformed::Transformed;
 use crate::EvaluationError;
 use crate::surface_point::normal;
 

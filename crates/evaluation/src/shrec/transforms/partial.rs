@@ -3,8 +3,8 @@
 use mser3d_shape::TriangleMesh;
 use mser3d_shape::vector::{Vec3, cross, dot, unit};
 
-use super::Transformed;
 use super::random::Random;
+use super::transformed::Transformed;
 use crate::EvaluationError;
 use crate::surface_point::normal;
 
@@ -33,7 +33,7 @@ pub(super) fn partial(
 /// The triangles that face a far camera and are not hidden. Five cameras stand evenly around an
 /// axis near the horizon of the null shape's y axis; the seed turns them.
 pub(super) fn view(null: &TriangleMesh, camera: u32, seed: u64) -> Result<Transformed, EvaluationError> {
-    let mut random = Random::new(&[seed, super::Class::View as u64]);
+    let mut random = Random::new(&[seed, super::class::Class::View as u64]);
     let (start, tilt) = (random.uniform(), random.between(-0.3, 0.3));
     let (x, z) = on_circle(start + f64::from(camera) / 5.0);
     let towards = unit([x, tilt, z]);

@@ -6,7 +6,7 @@ use mser3d_shape::vector::{add, scale};
 use mser3d_shape::{TriangleMesh, VoxelGrid};
 use mser3d_voxelize::{Bvh, Overlap, Pitch, VoxelizeParameters, voxelize};
 
-use super::Transformed;
+use super::transformed::Transformed;
 use crate::{EvaluationError, SurfacePoint};
 
 /// The surface of the null shape's voxels, with the nearest point of the null shape for each vertex.

@@ -6,10 +6,10 @@ use mser3d_shape::TriangleMesh;
 use mser3d_shape::vector::{Vec3, add, norm, scale, sub};
 use mser3d_voxelize::{Bvh, Hit};
 
-use super::Transformed;
 use super::holes::{SurfaceSampler, disc};
 use super::noise::vertex_normals;
 use super::random::Random;
+use super::transformed::Transformed;
 use crate::EvaluationError;
 
 /// How far apart parts may be that are glued, in radii of a tube.

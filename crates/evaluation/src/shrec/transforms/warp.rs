@@ -3,9 +3,9 @@
 use mser3d_shape::TriangleMesh;
 use mser3d_shape::vector::{Vec3, add, dot, scale, sub};
 
-use super::Transformed;
 use super::holes::SurfaceSampler;
 use super::random::Random;
+use super::transformed::Transformed;
 use crate::EvaluationError;
 
 /// A map of space to itself; see [`space_map`](super::space_map).
