@@ -32,6 +32,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         "--exclude",
         "mser3d-tests",
     ]);
+    // Nobody looks into these builds with a debugger.
+    package.env("CARGO_PROFILE_DEV_DEBUG", "0");
     if arguments.allow_dirty {
         package.arg("--allow-dirty");
     }
