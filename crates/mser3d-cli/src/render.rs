@@ -24,10 +24,10 @@ pub struct RenderArgs {
     #[arg(long, value_parser = shots(), value_delimiter = ',', value_name = "VIEW,...")]
     pub views: Vec<Shot>,
     /// Height of each view, in pixels
-    #[arg(long, value_name = "PIXELS", default_value_t = 800)]
+    #[arg(long, value_name = "PIXELS", default_value_t = RenderOptions::default().height)]
     pub height: usize,
     /// Views beside each other before a new row begins; 0: all in one row
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = RenderOptions::default().columns)]
     pub columns: usize,
     /// Axis that the cut of inside and voxels runs across [default: the shorter horizontal one]
     #[arg(long, value_enum, value_name = "AXIS")]

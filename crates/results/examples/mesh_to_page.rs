@@ -9,9 +9,9 @@ use mser3d::voxelize::Pitch;
 use mser3d::{Detector, Input, Parameters};
 use mser3d_results::{Record, RenderOptions, Results, Up};
 
-/// Two balls on a bar along x.
-fn dumbbell() -> Result<TriangleMesh, mser3d::shape::ShapeError> {
-    let (rings, sectors) = (48u32, 24u32);
+/// Two balls on a bar along x, as it could have been read from a file.
+pub fn dumbbell() -> Result<TriangleMesh, mser3d::shape::ShapeError> {
+    let (rings, sectors) = (60u32, 24u32);
     let radius = |x: f64| {
         let ball = (1.0 - (x.abs() - 2.0).powi(2)).max(0.0).sqrt();
         if x.abs() > 2.0 { ball } else { ball.max(0.35) }

@@ -4,19 +4,14 @@
 //! run of `cargo xtask shrec11`.
 
 mod collapse;
+mod fixture_shapes;
 mod isometries;
 mod matches;
 mod poses;
 
 use std::error::Error;
 use std::fs;
-use std::path::{Path, PathBuf};
-
-use mser3d::Region;
-use mser3d::shape::TriangleMesh;
-use mser3d_evaluation::IndexSet;
-
-use crate::solved::mesh;
+use std::path::PathBuf;
 
 /// What `cargo xtask figures` can be told.
 #[derive(clap::Args)]
@@ -60,19 +55,4 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         fs::copy(&from, output.join(to)).map_err(|e| format!("{}: {e}", from.display()))?;
     }
     Ok(())
-}
-
-/// A shape of fixtures/.
-fn fixture(name: &str) -> Result<TriangleMesh, Box<dyn Error>> {
-    mesh(&fixture_path(name))
-}
-
-fn fixture_path(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures").join(name)
-}
-
-/// The vertices of each region.
-fn sets(mesh: &TriangleMesh, regions: &[Region]) -> Result<Vec<IndexSet>, Box<dyn Error>> {
-    let of = |r: &Region| IndexSet::from_members(mesh.vertices().len(), r.vertices.iter().copied());
-    Ok(regions.iter().map(of).collect::<Result<_, _>>()?)
 }

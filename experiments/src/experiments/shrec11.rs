@@ -5,6 +5,7 @@
 //! there already is not made again, so a run that was stopped goes on where it was.
 
 mod all_shapes;
+mod arguments;
 mod curves;
 mod detectors;
 mod one_shape;
@@ -22,55 +23,7 @@ use std::path::{Path, PathBuf};
 
 use mser3d_evaluation::shrec::Benchmark;
 
-/// What `cargo xtask shrec11` can be told.
-#[derive(clap::Args)]
-#[command(group = clap::ArgGroup::new("source").required(true).args(["data", "synthesize"]))]
-pub struct Arguments {
-    /// Folder of the benchmark: NNNN.CLASS.STRENGTH.off and corr/
-    #[arg(long, value_name = "DIR")]
-    data: Option<PathBuf>,
-    /// Make a benchmark from this closed mesh instead
-    #[arg(long, value_name = "MESH")]
-    synthesize: Option<PathBuf>,
-    /// Poses of the mesh for the isometry class, up to five, from the weakest
-    #[arg(long, value_name = "MESH", num_args = 1.., requires = "synthesize")]
-    poses: Vec<PathBuf>,
-    /// Left-right symmetry of the mesh: line i holds the number of vertex i's mirror vertex
-    #[arg(long, value_name = "FILE", requires = "synthesize")]
-    symmetry: Option<PathBuf>,
-    /// Seed of the random transforms
-    #[arg(long, default_value_t = 1, requires = "synthesize")]
-    seed: u64,
-    /// Only these classes
-    #[arg(long, value_name = "CLASS", num_args = 1..)]
-    classes: Vec<String>,
-    /// Only these strengths, 1 to 5
-    #[arg(long, value_name = "STRENGTH", num_args = 1.., value_parser = clap::value_parser!(u32).range(1..=5))]
-    strengths: Vec<u32>,
-    /// Only these of our detectors
-    #[arg(long, value_name = "NAME", num_args = 1..)]
-    detectors: Vec<String>,
-    /// Voxels of a null shape; its transforms get the same pitch
-    #[arg(long, default_value_t = 45_000)]
-    voxels: usize,
-    /// Eigenpairs of each solid and surface
-    #[arg(long, default_value_t = 100)]
-    eigenpairs: usize,
-    /// Folders of .regions files by other detectors, which are scored too
-    #[arg(long, value_name = "DIR", num_args = 1..)]
-    detections: Vec<PathBuf>,
-    /// Folder for the results. What an interrupted run left there is used
-    #[arg(short, long, value_name = "DIR")]
-    output: PathBuf,
-}
-
-impl Arguments {
-    /// Whether transforms of a class and strength are asked for.
-    fn wants(&self, class: &str, strength: u32) -> bool {
-        (self.classes.is_empty() || self.classes.iter().any(|c| c == class))
-            && (self.strengths.is_empty() || self.strengths.contains(&strength))
-    }
-}
+pub use arguments::Arguments;
 
 /// Runs the evaluation.
 pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {

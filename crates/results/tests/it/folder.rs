@@ -9,34 +9,8 @@ use mser3d::{Detector, Input, Parameters};
 use mser3d_meshio::{ReadOptions, read_mesh};
 use mser3d_results::{RegionPair, RenderOptions, Results, Up};
 
-/// A dumbbell: two balls on a bar, around the x axis.
 fn dumbbell() -> TriangleMesh {
-    let (rings, sectors) = (60u32, 24u32);
-    let radius = |x: f64| {
-        let ball = (1.0 - (x.abs() - 2.0).powi(2)).max(0.0).sqrt();
-        if x.abs() > 2.0 { ball } else { ball.max(0.35) }
-    };
-    let mut points = vec![[-3.0, 0.0, 0.0]];
-    for r in 1..rings {
-        let x = -3.0 * (std::f64::consts::PI * f64::from(r) / f64::from(rings)).cos();
-        for s in 0..sectors {
-            let (sin, cos) = (std::f64::consts::TAU * f64::from(s) / f64::from(sectors)).sin_cos();
-            points.push([x, radius(x) * cos, radius(x) * sin]);
-        }
-    }
-    points.push([3.0, 0.0, 0.0]);
-    let last = points.len() as u32 - 1;
-    let at = |r: u32, s: u32| 1 + (r - 1) * sectors + s % sectors;
-    let mut triangles = Vec::new();
-    for s in 0..sectors {
-        triangles.push([0, at(1, s + 1), at(1, s)]);
-        for r in 1..rings - 1 {
-            triangles.push([at(r, s), at(r + 1, s + 1), at(r + 1, s)]);
-            triangles.push([at(r, s), at(r, s + 1), at(r + 1, s + 1)]);
-        }
-        triangles.push([at(rings - 1, s), at(rings - 1, s + 1), last]);
-    }
-    TriangleMesh::new(points, triangles).unwrap()
+    crate::example::dumbbell().unwrap()
 }
 
 fn parameters() -> Parameters {

@@ -126,7 +126,7 @@ mod tests {
 
     #[test]
     fn a_collapse_keeps_edges_and_area_and_loses_volume() {
-        let figure = super::super::fixture("human_rest.off").unwrap();
+        let figure = super::super::fixture_shapes::fixture("human_rest.off").unwrap();
         let stages = collapse(&figure, &[0.8], &CollapseParameters::default()).unwrap();
         let volume = stages[0].signed_volume() / figure.signed_volume();
         assert!((0.7..=0.8).contains(&volume), "{volume}");

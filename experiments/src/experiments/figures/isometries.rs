@@ -14,7 +14,7 @@ use mser3d_evaluation::{Correspondence, DetectedRegions, NullShape, Score, read_
 use mser3d_viewer::{Panel, RenderOptions, View, render};
 
 use super::collapse::{CollapseParameters, collapse, strain};
-use super::{fixture, fixture_path};
+use super::fixture_shapes::{fixture, fixture_path};
 use crate::drawing::{colours, colours_of_same, model, write_png};
 use crate::solved::Solved;
 

@@ -9,7 +9,7 @@ use mser3d::voxelize::Pitch;
 use mser3d::{Detector, Input, Parameters};
 use mser3d_viewer::{Model, PALETTE, Panel, RenderOptions, View, render};
 
-use super::fixture_path;
+use super::fixture_shapes::fixture_path;
 use crate::drawing::{highlighted, write_png};
 use crate::solved::mesh;
 

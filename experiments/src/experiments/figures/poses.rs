@@ -9,7 +9,7 @@ use mser3d::voxelize::{Pitch, VoxelizeParameters};
 use mser3d_evaluation::{Correspondence, NullShape, read_symmetry};
 use mser3d_viewer::{Colours, Cut, Model, NO_REGION, Panel, RenderOptions, Rgb, View, render};
 
-use super::{fixture, fixture_path, sets};
+use super::fixture_shapes::{fixture, fixture_path, sets};
 use crate::drawing::{colours, colours_of_same, innermost, write_png};
 use crate::solved::Solved;
 

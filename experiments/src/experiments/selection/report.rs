@@ -3,8 +3,8 @@
 use std::error::Error;
 use std::fmt::Write;
 
+use super::figure::{Figure, Row};
 use super::repeats::{Found, Score};
-use super::{Figure, Row};
 
 /// A line for each detector and figure.
 pub fn csv(figures: &[Figure], rows: &[Row]) -> String {

@@ -9,7 +9,7 @@ use mser3d_evaluation::shrec::{Benchmark, Class, ShapeName, ShapeScore, SpaceMap
 use mser3d_evaluation::{Correspondence, DetectedRegions, Score};
 use rayon::prelude::*;
 
-use super::Arguments;
+use super::arguments::Arguments;
 use super::detectors::{Description, Detector};
 use super::one_shape::{Shared, Sizes};
 use super::progress::Progress;

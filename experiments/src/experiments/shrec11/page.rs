@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::all_shapes::Scored;
-use super::tables::{self, SOLID_CLASSES};
+use super::tables::{self, SOLID_CLASSES, escape};
 
 /// What the page shows besides the scores.
 pub struct Contents<'a> {
@@ -101,8 +101,4 @@ fn section(html: &mut String, table: &tables::Table, open: bool) {
         escape(&table.title),
         table.html()
     );
-}
-
-pub(super) fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

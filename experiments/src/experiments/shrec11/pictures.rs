@@ -10,8 +10,8 @@ use mser3d_evaluation::{Correspondence, DetectedRegions, IndexSet, NullShape};
 use mser3d_viewer::{Model, Panel, RenderOptions, Rgb, View, render};
 use rayon::prelude::*;
 
-use super::Arguments;
 use super::all_shapes::names;
+use super::arguments::Arguments;
 use super::one_shape::is_scaled;
 use crate::drawing::{colours, colours_of_same, model, plain, write_png};
 

@@ -8,7 +8,7 @@ use mser3d_evaluation::shrec::{BenchmarkWriter, Class, ShapeName, isometry, tran
 use mser3d_evaluation::{NullShape, read_symmetry};
 use rayon::prelude::*;
 
-use super::Arguments;
+use super::arguments::Arguments;
 use crate::solved::mesh;
 
 /// Makes it, and returns the folder. That takes seconds, so it is always made anew: what lies there

@@ -7,7 +7,6 @@ use mser3d_evaluation::Score;
 use mser3d_evaluation::shrec::{ShapeName, ShapeScore, mean_score};
 
 use super::all_shapes::Scored;
-use super::page::escape;
 
 /// The classes that leave one solid with all its parts. The others take parts away, open it, glue it or
 /// change the sizes of its parts, so that even a perfect detector would not find everything again.
@@ -245,6 +244,11 @@ pub fn shapes_csv(all: &[Scored]) -> String {
         }
     }
     csv
+}
+
+/// A text within HTML.
+pub(super) fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 #[cfg(test)]
