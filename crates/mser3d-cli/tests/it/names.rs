@@ -7,10 +7,12 @@ use crate::common::*;
 use mser3d::comptree::{AltitudeScale, Contrast, Polarity, StabilityRule};
 use mser3d::descriptors::MatchRule;
 use mser3d::shape::{Choice, Connectivity};
-use mser3d::spectral::Eigensolver;
+use mser3d::spectral::{Eigensolver, SolverUsed};
 use mser3d::voxelize::{InsideTest, Morphology, Overlap};
-use mser3d::{Descriptor, DescriptorKind, Weight};
+use mser3d::{Descriptor, DescriptorKind, Domain, Stage, Weight};
+use mser3d_evaluation::Verdict;
 use mser3d_results::Up;
+use mser3d_viewer::NamedView;
 use serde_json::Value;
 
 /// `SizedSiHks` as `sized-si-hks`.
@@ -43,13 +45,11 @@ fn page(name: &str) -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs").join(name)).unwrap()
 }
 
-/// Checks all values of a choice; `json` says where it stands in what, if anywhere.
-fn check<T>(command: &str, option: &str, docs: &str)
+/// Checks all values of a choice in code, JSON and a page of the documentation.
+fn check_names<T>(docs: &str)
 where
     T: Choice + Debug + PartialEq + serde::Serialize + serde::de::DeserializeOwned,
 {
-    let help = help(command);
-    let entry = entry(&help, option);
     let docs = page(docs);
     for &value in T::ALL {
         let name = value.name();
@@ -66,16 +66,27 @@ where
         assert_eq!(name.parse::<T>().ok(), Some(value));
         assert_eq!(serde_json::to_value(value).unwrap(), Value::from(name));
         assert_eq!(serde_json::from_value::<T>(name.into()).unwrap(), value);
-        // In the help, with what it means, and in the documentation.
+        assert!(docs.contains(&format!("`{name}`")), "{} {name} is not documented", T::WHAT);
+    }
+    let error = "no-such-name".parse::<T>().err().unwrap().to_string();
+    assert!(T::ALL.iter().all(|value| error.contains(value.name())), "{error}");
+}
+
+/// As [`check_names`], of a choice that an option takes: its help has every value, with what it means.
+fn check<T>(command: &str, option: &str, docs: &str)
+where
+    T: Choice + Debug + PartialEq + serde::Serialize + serde::de::DeserializeOwned,
+{
+    check_names::<T>(docs);
+    let help = help(command);
+    let entry = entry(&help, option);
+    for name in T::ALL.iter().map(|value| value.name()) {
         let says = |line: &&str| {
             let line = line.trim_start().strip_prefix("- ").unwrap_or_default();
             line.split_once(':').is_some_and(|(n, about)| n == name && !about.trim().is_empty())
         };
         assert!(entry.iter().any(says), "{option} {name} is not in {entry:#?}");
-        assert!(docs.contains(&format!("`{name}`")), "{option} {name} is not documented");
     }
-    let error = "no-such-name".parse::<T>().err().unwrap().to_string();
-    assert!(T::ALL.iter().all(|value| error.contains(value.name())), "{error}");
 }
 
 #[test]
@@ -93,6 +104,12 @@ fn every_choice_has_one_spelling() {
     check::<MatchRule>("match", "--rule", "formats.md");
     check::<Contrast>("msv", "--regions", "formats.md");
     check::<Up>("render", "--up", "formats.md");
+    check::<NamedView>("render", "--views", "formats.md");
+    // What is written, but not asked for.
+    check_names::<Domain>("formats.md");
+    check_names::<SolverUsed>("formats.md");
+    check_names::<Stage>("formats.md");
+    check_names::<Verdict>("formats.md");
 }
 
 #[test]
