@@ -52,11 +52,17 @@ pub fn write_vti(path: &Path, grid: &VoxelGrid, fields: &[VoxelField]) -> Result
     let [nx, ny, nz] = frame.dims();
     let cells = nx as u64 * ny as u64 * nz as u64;
     let triple = |v: [f64; 3]| format!("{:?} {:?} {:?}", v[0], v[1], v[2]);
+    // Row by row, a column for each axis. VTK 9 and ParaView 5.8 read it; older ones pass over it.
+    let directions = frame.directions();
+    let direction = |row: usize| directions.map(|axis| axis[row]);
     let mut file = VtkFile::new("ImageData");
     file.line(&format!(
-        "<ImageData WholeExtent=\"0 {nx} 0 {ny} 0 {nz}\" Origin=\"{}\" Spacing=\"{}\">",
+        "<ImageData WholeExtent=\"0 {nx} 0 {ny} 0 {nz}\" Origin=\"{}\" Spacing=\"{}\" Direction=\"{} {} {}\">",
         triple(frame.origin()),
-        triple(frame.spacing())
+        triple(frame.spacing()),
+        triple(direction(0)),
+        triple(direction(1)),
+        triple(direction(2))
     ));
     let active = fields.first().map_or("inside", |f| f.name);
     file.line(&format!("<Piece Extent=\"0 {nx} 0 {ny} 0 {nz}\">\n<CellData Scalars=\"{active}\">"));
