@@ -78,6 +78,12 @@ impl From<std::io::Error> for Fault {
     }
 }
 
+impl From<mser3d_shape::ShapeError> for Fault {
+    fn from(error: mser3d_shape::ShapeError) -> Self {
+        Self::invalid(error.to_string())
+    }
+}
+
 impl From<VolumeIoError> for Fault {
     fn from(error: VolumeIoError) -> Self {
         Self::invalid(error.to_string())

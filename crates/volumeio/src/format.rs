@@ -1,5 +1,5 @@
 use crate::error::Fault;
-use crate::{Volume, VolumeIoError, nifti, npy, nrrd, tiff};
+use crate::{LoadedVolume, VolumeIoError, nifti, npy, nrrd, tiff};
 use std::fmt;
 use std::fs::File;
 use std::io::BufReader;
@@ -60,17 +60,15 @@ impl fmt::Display for VolumeFormat {
 /// # Errors
 /// [`VolumeIoError::File`], [`VolumeIoError::UnknownFormat`], [`VolumeIoError::Invalid`],
 /// [`VolumeIoError::Unsupported`].
-pub fn read_volume(path: &Path) -> Result<Volume, VolumeIoError> {
+pub fn read_volume(path: &Path) -> Result<LoadedVolume, VolumeIoError> {
     let format =
         VolumeFormat::of(path).ok_or_else(|| VolumeIoError::UnknownFormat { path: path.to_path_buf() })?;
-    if format == VolumeFormat::Npy {
-        return npy::read(path);
-    }
     let open = || Ok::<_, Fault>(BufReader::new(File::open(path).map_err(Fault::Io)?));
     let read = || match format {
         VolumeFormat::Nrrd => nrrd::read(open()?),
         VolumeFormat::Tiff => tiff::read(open()?),
-        VolumeFormat::Nifti | VolumeFormat::Npy => nifti::read(open()?),
+        VolumeFormat::Npy => npy::read(open()?),
+        VolumeFormat::Nifti => nifti::read(open()?),
     };
     read().map_err(|fault| fault.in_file(path))
 }

@@ -1,8 +1,8 @@
 //! Grey-value volumes and voxel masks from files and back: NumPy arrays, NIfTI, NRRD, TIFF stacks.
 //!
 //! A [`Volume`] is a box of voxels, x fastest, each with one value or with several channels, and a
-//! [`Placement`] that says where it lies. [`read_volume`] takes the format from the file's name;
-//! [`read_mask`] reads a solid.
+//! [`Affine`] that says where it lies. [`read_volume`] takes the format from the file's name, and tells what
+//! the file says of it in a [`LoadedVolume`].
 //!
 //! | format | read | written |
 //! |---|---|---|
@@ -12,15 +12,15 @@
 //! | TIFF `.tif`, `.tiff` | a page for each z; uncompressed, LZW, Deflate, PackBits | no |
 //!
 //! ```
-//! use mser3d_volumeio::{Placement, Samples, Volume, read_volume, write_nifti};
+//! use mser3d_volumeio::{Affine, Samples, Volume, read_volume, write_nifti};
 //!
-//! let placement = Placement { spacing: [0.5, 0.5, 2.0], ..Default::default() };
-//! let volume = Volume::new([2, 2, 1], 1, placement, Samples::U8(vec![0, 7, 0, 255]))?;
+//! let affine = Affine::along_axes([10.0, 0.0, -5.0], [0.5, 0.5, 2.0])?;
+//! let volume = Volume::new([2, 2, 1], 1, affine, Samples::U8(vec![0, 7, 0, 255]))?;
 //! # let folder = std::env::temp_dir().join(format!("mser3d-volumeio-{}", std::process::id()));
 //! # std::fs::create_dir_all(&folder)?;
 //! let path = folder.join("small.nii.gz");
 //! write_nifti(&path, &volume)?;
-//! assert_eq!(read_volume(&path)?, volume);
+//! assert_eq!(read_volume(&path)?.volume, volume);
 //! # std::fs::remove_dir_all(&folder)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -28,7 +28,7 @@
 
 mod error;
 mod format;
-mod mask;
+mod loaded;
 mod nifti;
 mod npy;
 mod nrrd;
@@ -39,11 +39,12 @@ mod volume;
 
 pub use error::VolumeIoError;
 pub use format::{VolumeFormat, read_volume};
-pub use mask::read_mask;
+pub use loaded::{ChannelKind, LoadedVolume, Segment, World, WorldAxes};
+pub use mser3d_shape::Affine;
 pub use nifti::write_nifti;
 pub use npy::write_npy;
 pub use samples::Samples;
-pub use volume::{Placement, Volume};
+pub use volume::Volume;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

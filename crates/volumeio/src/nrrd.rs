@@ -1,8 +1,8 @@
 //! NRRD with its data in the same file (<https://teem.sourceforge.net/nrrd/format.html>).
-use crate::Samples;
 use crate::error::Fault;
 use crate::sample_type::SampleType;
-use crate::volume::{Placement, Volume, interleaved};
+use crate::volume::{Volume, interleaved};
+use crate::{Affine, LoadedVolume, Samples, VolumeFormat, World};
 use flate2::read::MultiGzDecoder;
 use std::collections::HashMap;
 use std::io::{BufRead, Read};
@@ -10,7 +10,7 @@ use std::io::{BufRead, Read};
 /// What the header says, by field names in lower case.
 struct Header(HashMap<String, String>);
 
-pub(crate) fn read(mut source: impl BufRead) -> Result<Volume, Fault> {
+pub(crate) fn read(mut source: impl BufRead) -> Result<LoadedVolume, Fault> {
     let header = Header::read(&mut source)?;
     if header.0.contains_key("data file") || header.0.contains_key("datafile") {
         return Err(Fault::unsupported("the data is in another file; save header and data as one .nrrd"));
@@ -44,7 +44,8 @@ pub(crate) fn read(mut source: impl BufRead) -> Result<Volume, Fault> {
     let count = sizes.iter().try_fold(1usize, |n, &axis| n.checked_mul(axis)).unwrap_or(usize::MAX);
     let values = header.values(count, source)?;
     let values = if channel_axis == Some(0) { values } else { interleaved(values, channels) };
-    Ok(Volume::new(dims, channels, header.placement(space)?, values)?)
+    let volume = Volume::new(dims, channels, header.affine(space)?, values)?;
+    Ok(LoadedVolume { world: World::ras("mm"), ..LoadedVolume::plain(volume, VolumeFormat::Nrrd) })
 }
 
 impl Header {
@@ -113,7 +114,7 @@ impl Header {
         if steps.len() == axes { Ok(steps) } else { Err(wrong("space directions")) }
     }
 
-    fn placement(&self, steps: [Option<[f64; 3]>; 3]) -> Result<Placement, Fault> {
+    fn affine(&self, steps: [Option<[f64; 3]>; 3]) -> Result<Affine, Fault> {
         let origin = match self.text("space origin") {
             None => [0.0; 3],
             Some(text) => match vectors(text).as_deref() {
@@ -129,9 +130,9 @@ impl Header {
             _ => [1.0; 3],
         };
         let turn = |v: [f64; 3]| std::array::from_fn(|i| signs[i] * v[i]);
-        let units = Placement::default().directions;
+        let units = [[1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
         let steps = std::array::from_fn(|axis| turn(steps[axis].unwrap_or(units[axis])));
-        Ok(Placement::from_steps(turn(origin), steps))
+        Ok(Affine::from_steps(turn(origin), steps)?)
     }
 
     fn sample(&self) -> Result<SampleType, Fault> {
@@ -224,10 +225,10 @@ mod tests {
 
     #[test]
     fn values_and_placement_as_written() {
-        let volume = read(&file(FIELDS, &[0, 1, 255, 254, 0, 3, 1, 144])[..]).unwrap();
+        let volume = read(&file(FIELDS, &[0, 1, 255, 254, 0, 3, 1, 144])[..]).unwrap().volume;
         assert_eq!(*volume.samples(), Samples::I16(vec![1, -2, 3, 400]));
-        assert_eq!(volume.placement().spacing, [0.5, 0.5, 2.0]);
-        assert_eq!(volume.placement().position([1.0, 0.0, 1.0]), [-10.5, -20.0, 32.0]);
+        assert_eq!(volume.affine().spacing(), [0.5, 0.5, 2.0]);
+        assert_eq!(volume.affine().position([1.0, 0.0, 1.0]), [-10.5, -20.0, 32.0]);
     }
 
     #[test]
@@ -238,8 +239,10 @@ mod tests {
             )
         };
         let (xyz, none) = ("(1,0,0) (0,1,0) (0,0,1)", "none");
-        let first = read(&file(&fields("2 3 1 1", &format!("{none} {xyz}")), b"1 10 2 20 3 30")[..]).unwrap();
-        let last = read(&file(&fields("3 1 1 2", &format!("{xyz} {none}")), b"1 2 3 10 20 30")[..]).unwrap();
+        let first =
+            read(&file(&fields("2 3 1 1", &format!("{none} {xyz}")), b"1 10 2 20 3 30")[..]).unwrap().volume;
+        let last =
+            read(&file(&fields("3 1 1 2", &format!("{xyz} {none}")), b"1 2 3 10 20 30")[..]).unwrap().volume;
         assert_eq!(first, last);
         assert_eq!((first.dims(), first.channels()), ([3, 1, 1], 2));
     }

@@ -1,6 +1,6 @@
 //! TIFF files with one page for each layer.
 use crate::error::Fault;
-use crate::{Placement, Samples, Volume};
+use crate::{Affine, LoadedVolume, Samples, Volume, VolumeFormat};
 use std::io::{BufRead, Seek};
 use tiff::decoder::{Decoder, DecodingResult};
 use tiff::{ColorType, TiffError};
@@ -17,7 +17,7 @@ impl From<TiffError> for Fault {
     }
 }
 
-pub(crate) fn read(source: impl BufRead + Seek) -> Result<Volume, Fault> {
+pub(crate) fn read(source: impl BufRead + Seek) -> Result<LoadedVolume, Fault> {
     let mut decoder = Decoder::new(source)?;
     let first = (decoder.dimensions()?, decoder.colortype()?);
     let channels = match first.1 {
@@ -46,7 +46,8 @@ pub(crate) fn read(source: impl BufRead + Seek) -> Result<Volume, Fault> {
     }
     let (width, height) = first.0;
     let dims = [width as usize, height as usize, layers];
-    Ok(Volume::new(dims, channels, Placement::default(), values)?)
+    let volume = Volume::new(dims, channels, Affine::default(), values)?;
+    Ok(LoadedVolume::plain(volume, VolumeFormat::Tiff))
 }
 
 fn values(page: DecodingResult) -> Result<Samples, Fault> {
@@ -57,8 +58,8 @@ fn values(page: DecodingResult) -> Result<Samples, Fault> {
         DecodingResult::I16(v) => Samples::I16(v),
         DecodingResult::U32(v) => Samples::U32(v),
         DecodingResult::I32(v) => Samples::I32(v),
-        DecodingResult::U64(v) => Samples::F64(v.into_iter().map(|x| x as f64).collect()),
-        DecodingResult::I64(v) => Samples::F64(v.into_iter().map(|x| x as f64).collect()),
+        DecodingResult::U64(v) => Samples::U64(v),
+        DecodingResult::I64(v) => Samples::I64(v),
         DecodingResult::F16(v) => Samples::F32(v.into_iter().map(f32::from).collect()),
         DecodingResult::F32(v) => Samples::F32(v),
         DecodingResult::F64(v) => Samples::F64(v),
@@ -66,21 +67,11 @@ fn values(page: DecodingResult) -> Result<Samples, Fault> {
 }
 
 fn append(all: &mut Samples, page: Samples) -> Result<(), Fault> {
-    match (all, page) {
-        (Samples::U8(all), Samples::U8(page)) => all.extend(page),
-        (Samples::I8(all), Samples::I8(page)) => all.extend(page),
-        (Samples::U16(all), Samples::U16(page)) => all.extend(page),
-        (Samples::I16(all), Samples::I16(page)) => all.extend(page),
-        (Samples::U32(all), Samples::U32(page)) => all.extend(page),
-        (Samples::I32(all), Samples::I32(page)) => all.extend(page),
-        (Samples::F32(all), Samples::F32(page)) => all.extend(page),
-        (Samples::F64(all), Samples::F64(page)) => all.extend(page),
-        (all, page) => {
-            let (first, other) = (all.type_name(), page.type_name());
-            return Err(Fault::invalid(format!(
-                "pages of {first} and of {other}; the pages of a stack are alike"
-            )));
-        }
+    let (first, other) = (all.type_name(), page.type_name());
+    if !all.append(page) {
+        return Err(Fault::invalid(format!(
+            "pages of {first} and of {other}; the pages of a stack are alike"
+        )));
     }
     Ok(())
 }
@@ -98,7 +89,7 @@ mod tests {
         encoder.write_image::<colortype::Gray16>(3, 2, &[1, 2, 3, 4, 5, 6]).unwrap();
         encoder.write_image::<colortype::Gray16>(3, 2, &[7, 8, 9, 10, 11, 12]).unwrap();
         let whole = file.into_inner();
-        let volume = read(Cursor::new(&whole)).unwrap();
+        let volume = read(Cursor::new(&whole)).unwrap().volume;
         assert_eq!((volume.dims(), volume.channels()), ([3, 2, 2], 1));
         assert_eq!(*volume.samples(), Samples::U16((1..=12).collect()));
         assert!(read(Cursor::new(&whole[..whole.len() / 2])).is_err());
@@ -109,7 +100,7 @@ mod tests {
         let mut file = Cursor::new(Vec::new());
         let mut encoder = TiffEncoder::new(&mut file).unwrap();
         encoder.write_image::<colortype::RGB8>(1, 2, &[1, 2, 3, 4, 5, 6]).unwrap();
-        let volume = read(Cursor::new(file.get_ref())).unwrap();
+        let volume = read(Cursor::new(file.get_ref())).unwrap().volume;
         assert_eq!((volume.dims(), volume.channels()), ([1, 2, 1], 3));
         let mut encoder = TiffEncoder::new(&mut file).unwrap();
         encoder.write_image::<colortype::RGB8>(1, 1, &[1, 2, 3]).unwrap();

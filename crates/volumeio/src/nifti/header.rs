@@ -1,6 +1,6 @@
 //! The header of either version.
 use super::{LENGTH_1, LENGTH_2, TYPES};
-use crate::Placement;
+use crate::Affine;
 use crate::error::Fault;
 use crate::sample_type::SampleType;
 use std::io::Read;
@@ -17,7 +17,7 @@ pub(super) struct Header {
     pub length: u64,
     pub slope: f64,
     pub intercept: f64,
-    pub placement: Placement,
+    pub affine: Affine,
     pub big_endian: bool,
 }
 
@@ -116,14 +116,14 @@ impl Header {
             length: bytes.len() as u64,
             slope: of_version(&|f| f.f32(112), &|f| f.f64(176)),
             intercept: of_version(&|f| f.f32(116), &|f| f.f64(184)),
-            placement: placement(&fields, version),
+            affine: affine(&fields, version)?,
             big_endian,
         })
     }
 }
 
 /// The affine map of the header: the general one, else rotation and offset, else the spacing alone.
-fn placement(fields: &Fields, version: u32) -> Placement {
+fn affine(fields: &Fields, version: u32) -> Result<Affine, Fault> {
     let number = |one: usize, two: usize, i: usize| {
         if version == 1 { fields.f32(one + 4 * i) } else { fields.f64(two + 8 * i) }
     };
@@ -133,10 +133,12 @@ fn placement(fields: &Fields, version: u32) -> Placement {
         let row = |i: usize| std::array::from_fn::<f64, 4, _>(|j| number(280, 400, 4 * i + j));
         let rows = [row(0), row(1), row(2)];
         let steps = std::array::from_fn(|axis| rows.map(|row| row[axis]));
-        return Placement::from_steps(rows.map(|row| row[3]), steps);
+        return Ok(Affine::from_steps(rows.map(|row| row[3]), steps)?);
     }
-    let spacing: [f64; 3] = std::array::from_fn(|axis| number(76, 104, axis + 1).abs());
-    let mut directions = Placement::default().directions;
+    // Images of one layer often have no third step.
+    let usual = |length: f64| if length.is_normal() { length.abs() } else { 1.0 };
+    let spacing: [f64; 3] = std::array::from_fn(|axis| usual(number(76, 104, axis + 1)));
+    let mut directions = [[1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
     let mut origin = [0.0; 3];
     if qform > 0 {
         let [b, c, d] = std::array::from_fn(|i| number(256, 352, i));
@@ -151,5 +153,5 @@ fn placement(fields: &Fields, version: u32) -> Placement {
         origin = std::array::from_fn(|i| number(268, 376, i));
     }
     let steps = std::array::from_fn(|axis| directions[axis].map(|x| x * spacing[axis]));
-    Placement::from_steps(origin, steps)
+    Ok(Affine::from_steps(origin, steps)?)
 }

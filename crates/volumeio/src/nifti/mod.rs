@@ -7,10 +7,10 @@ mod write;
 
 pub use write::write_nifti;
 
-use crate::Samples;
 use crate::error::Fault;
 use crate::sample_type::SampleType;
 use crate::volume::{Volume, interleaved, voxel_count};
+use crate::{LoadedVolume, Samples, VolumeFormat, World};
 use flate2::read::MultiGzDecoder;
 use header::Header;
 use std::io::{BufRead, Read};
@@ -36,12 +36,12 @@ const TYPES: [(i64, SampleType, usize); 12] = [
     (2304, SampleType::U8, 4),
 ];
 
-pub(crate) fn read(mut source: impl BufRead) -> Result<Volume, Fault> {
+pub(crate) fn read(mut source: impl BufRead) -> Result<LoadedVolume, Fault> {
     let packed = source.fill_buf()?.starts_with(&[0x1f, 0x8b]);
     if packed { unpacked(MultiGzDecoder::new(source)) } else { unpacked(source) }
 }
 
-fn unpacked(mut source: impl Read) -> Result<Volume, Fault> {
+fn unpacked(mut source: impl Read) -> Result<LoadedVolume, Fault> {
     let header = Header::read(&mut source)?;
     let Header { dims, volumes, sample, colours, .. } = header;
     // Extensions may stand between the header and the data.
@@ -60,14 +60,15 @@ fn unpacked(mut source: impl Read) -> Result<Volume, Fault> {
         _ if volumes == 1 => (colours, values),
         _ => return Err(Fault::unsupported("several coloured volumes in one file; export one of them")),
     };
-    Ok(Volume::new(dims, channels, header.placement, values)?)
+    let volume = Volume::new(dims, channels, header.affine, values)?;
+    Ok(LoadedVolume { world: World::ras("mm"), ..LoadedVolume::plain(volume, VolumeFormat::Nifti) })
 }
 
 #[cfg(test)]
 mod tests {
     use super::write::header;
     use super::*;
-    use crate::Placement;
+    use crate::Affine;
     use std::path::Path;
 
     fn file(volume: &Volume) -> Vec<u8> {
@@ -77,7 +78,7 @@ mod tests {
     }
 
     fn small() -> Volume {
-        Volume::new([2, 1, 2], 1, Placement::default(), vec![1i16, -2, 3, 400]).unwrap()
+        Volume::new([2, 1, 2], 1, Affine::default(), vec![1i16, -2, 3, 400]).unwrap()
     }
 
     fn put(bytes: &mut [u8], at: usize, field: &[u8]) {
@@ -89,7 +90,7 @@ mod tests {
         let mut bytes = file(&small());
         put(&mut bytes, 112, &0.5f32.to_le_bytes());
         put(&mut bytes, 116, &10f32.to_le_bytes());
-        assert_eq!(*read(&bytes[..]).unwrap().samples(), Samples::F64(vec![10.5, 9.0, 11.5, 210.0]));
+        assert_eq!(*read(&bytes[..]).unwrap().volume.samples(), Samples::F64(vec![10.5, 9.0, 11.5, 210.0]));
     }
 
     #[test]
@@ -101,8 +102,8 @@ mod tests {
         put(&mut bytes, 264, &(0.5f32.sqrt()).to_le_bytes());
         put(&mut bytes, 268, &7f32.to_le_bytes());
         put(&mut bytes, 80, &3f32.to_le_bytes());
-        let volume = read(&bytes[..]).unwrap();
-        let there = volume.placement().position([1.0, 0.0, 0.0]);
+        let volume = read(&bytes[..]).unwrap().volume;
+        let there = volume.affine().position([1.0, 0.0, 0.0]);
         let away = (0..3).map(|i| (there[i] - [7.0, 3.0, 0.0][i]).abs()).fold(0.0, f64::max);
         assert!(away < 1e-6, "{there:?}");
     }
@@ -120,7 +121,7 @@ mod tests {
         put(&mut bytes, 168, &544i64.to_be_bytes());
         bytes.extend([0; 4]);
         [1i16, -2, 3, 400].iter().for_each(|x| bytes.extend(x.to_be_bytes()));
-        assert_eq!(read(&bytes[..]).unwrap(), volume);
+        assert_eq!(read(&bytes[..]).unwrap().volume, volume);
     }
 
     #[test]

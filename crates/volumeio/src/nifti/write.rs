@@ -1,7 +1,6 @@
 //! Writing version 1.
 use super::{LENGTH_1, TYPES};
-use crate::sample_type::SampleType;
-use crate::{Samples, Volume, VolumeIoError};
+use crate::{Volume, VolumeIoError};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use mser3d_fileio::write_atomically;
@@ -9,7 +8,7 @@ use std::io::Write;
 use std::path::Path;
 
 /// Writes NIfTI-1; packed if the name ends in `.gz`. Channels become the components of vectors. The
-/// placement is kept to the precision of f32, as the format has it.
+/// affine is kept to the precision of f32, as the format has it.
 ///
 /// # Errors
 /// [`VolumeIoError::Unsupported`] beyond 32,767 voxels along an axis; [`VolumeIoError::File`].
@@ -54,34 +53,23 @@ pub(super) fn header(volume: &Volume) -> Option<Vec<u8>> {
     for (i, size) in [axes, nx, ny, nz, 1, channels, 1, 1].into_iter().enumerate() {
         put(40 + 2 * i, &i16::try_from(size).ok()?.to_le_bytes());
     }
-    let sample = match volume.samples() {
-        Samples::U8(_) => SampleType::U8,
-        Samples::I8(_) => SampleType::I8,
-        Samples::U16(_) => SampleType::U16,
-        Samples::I16(_) => SampleType::I16,
-        Samples::U32(_) => SampleType::U32,
-        Samples::I32(_) => SampleType::I32,
-        Samples::F32(_) => SampleType::F32,
-        Samples::F64(_) => SampleType::F64,
-    };
+    let sample = volume.samples().sample_type();
     let (code, ..) = TYPES.into_iter().find(|t| t.1 == sample && t.2 == 1)?;
     if channels > 1 {
         put(68, &1007i16.to_le_bytes()); // NIFTI_INTENT_VECTOR
     }
     put(70, &(code as i16).to_le_bytes());
     put(72, &(8 * sample.bytes() as i16).to_le_bytes());
-    let placement = volume.placement();
-    let [hx, hy, hz] = placement.spacing;
+    let affine = volume.affine();
+    let [hx, hy, hz] = affine.spacing();
     for (i, length) in [1.0, hx, hy, hz, 1.0, 1.0, 1.0, 1.0].into_iter().enumerate() {
         put(76 + 4 * i, &(length as f32).to_le_bytes());
     }
     put(108, &((LENGTH_1 + 4) as f32).to_le_bytes());
     put(112, &1f32.to_le_bytes());
     put(254, &2i16.to_le_bytes()); // NIFTI_XFORM_ALIGNED_ANAT
-    let steps = placement.steps();
     for row in 0..3 {
-        let entries = [steps[0][row], steps[1][row], steps[2][row], placement.origin[row]];
-        for (column, entry) in entries.into_iter().enumerate() {
+        for (column, entry) in affine.rows()[row].into_iter().enumerate() {
             put(280 + 16 * row + 4 * column, &(entry as f32).to_le_bytes());
         }
     }

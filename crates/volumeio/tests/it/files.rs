@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use mser3d_fileio::FileError;
-use mser3d_volumeio::{Placement, Samples, Volume, VolumeIoError, read_volume, write_nifti, write_npy};
+use mser3d_shape::{BitGrid, ShapeError};
+use mser3d_volumeio::{Affine, Samples, Volume, VolumeIoError, read_volume, write_nifti, write_npy};
 use proptest::prelude::*;
 
 /// A turned and stretched box whose numbers f32 holds exactly.
-fn placed() -> Placement {
-    let directions = [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
-    Placement { origin: [-4.5, 8.0, 0.25], spacing: [0.5, 0.75, 2.0], directions }
+fn placed() -> Affine {
+    Affine::from_steps([-4.5, 8.0, 0.25], [[0.0, 0.5, 0.0], [-0.75, 0.0, 0.0], [0.0, 0.0, 2.0]]).unwrap()
 }
 
 fn of_every_type() -> Vec<Samples> {
@@ -21,6 +21,8 @@ fn of_every_type() -> Vec<Samples> {
         Samples::I16(numbers.iter().map(|&x| -200 * x as i16).collect()),
         Samples::U32(numbers.iter().map(|&x| 1_000_000 * x as u32).collect()),
         Samples::I32(numbers.iter().map(|&x| -1_000_000 * x).collect()),
+        Samples::U64(numbers.iter().map(|&x| u64::MAX - x as u64).collect()),
+        Samples::I64(numbers.iter().map(|&x| i64::MIN + i64::from(x)).collect()),
         Samples::F32(numbers.iter().map(|&x| 0.1 * x as f32).collect()),
         Samples::F64(numbers.iter().map(|&x| f64::from(x).exp()).collect()),
     ]
@@ -35,39 +37,46 @@ fn volumes_survive_a_round_trip() {
             let volume = Volume::new(dims, channels, placed(), values.clone()).unwrap();
             for name in ["a.nii", "a.nii.gz"] {
                 write_nifti(&path(name), &volume).unwrap();
-                assert_eq!(read_volume(&path(name)).unwrap(), volume, "{name} {}", values.type_name());
+                assert_eq!(read_volume(&path(name)).unwrap().volume, volume, "{name} {}", values.type_name());
             }
             write_npy(&path("a.npy"), &volume).unwrap();
-            let flat = Volume::new(dims, channels, Placement::default(), values.clone()).unwrap();
-            assert_eq!(read_volume(&path("a.npy")).unwrap(), flat, "{}", values.type_name());
+            let flat = Volume::new(dims, channels, Affine::default(), values.clone()).unwrap();
+            assert_eq!(read_volume(&path("a.npy")).unwrap().volume, flat, "{}", values.type_name());
         }
     }
 }
 
 #[test]
-fn a_mask_is_where_a_volume_is_not_zero() {
-    let volume =
-        Volume::new([2, 1, 2], 2, placed(), vec![0.0, 0.0, 0.0, -1.0, 0.0, 0.0, f64::NAN, 2.0]).unwrap();
-    let mask = volume.mask().unwrap();
-    assert_eq!(mask.ones().collect::<Vec<_>>(), [[1, 0, 0], [1, 0, 1]]);
+fn a_channel_is_a_volume_and_a_mask_another() {
+    let volume = Volume::new([2, 1, 2], 2, placed(), vec![1u8, 2, 3, 4, 5, 6, 7, 8]).unwrap();
+    assert_eq!(*volume.channel(1).samples(), Samples::U8(vec![2, 4, 6, 8]));
+    assert_eq!(*volume.channel(1).affine(), placed());
+    assert_eq!(volume.channel(0).channel(0), volume.channel(0));
+    let mut mask = BitGrid::empty([2, 1, 2]).unwrap();
+    mask.set([1, 0, 0], true);
     let written = Volume::from_mask(&mask, placed()).unwrap();
-    assert_eq!(*written.samples(), Samples::U8(vec![0, 1, 0, 1]));
-    assert_eq!(volume.frame().unwrap().centre([0, 0, 0]), placed().origin);
+    assert_eq!(*written.samples(), Samples::U8(vec![0, 1, 0, 0]));
+    assert_eq!(volume.frame().unwrap().centre([0, 0, 0]), placed().origin());
+}
+
+#[test]
+fn a_sheared_volume_has_no_frame() {
+    let sheared = Affine::new([[1., 0.5, 0., 0.], [0., 1., 0., 0.], [0., 0., 1., 0.]]).unwrap();
+    let volume = Volume::new([1, 1, 1], 1, sheared, vec![1u8]).unwrap();
+    assert!(matches!(volume.frame(), Err(ShapeError::Sheared { .. })));
 }
 
 #[test]
 fn what_cannot_be_is_refused() {
-    let spacing = Placement { spacing: [1.0, 0.0, 1.0], ..Placement::default() };
-    for (dims, channels, placement, count) in [
-        ([2, 2, 2], 1, Placement::default(), 7),
-        ([2, 0, 2], 1, Placement::default(), 0),
-        ([usize::MAX, 2, 2], 1, Placement::default(), 4),
-        ([2, 2, 2], 1, spacing, 8),
+    for (dims, channels, affine, count) in [
+        ([2, 2, 2], 1, Affine::default(), 7),
+        ([2, 0, 2], 1, Affine::default(), 0),
+        ([usize::MAX, 2, 2], 1, Affine::default(), 4),
     ] {
-        let volume = Volume::new(dims, channels, placement, vec![0u8; count]);
+        let volume = Volume::new(dims, channels, affine, vec![0u8; count]);
         assert!(matches!(volume, Err(VolumeIoError::InvalidVolume { .. })));
     }
-    let long = Volume::new([40_000, 1, 1], 1, Placement::default(), vec![0u8; 40_000]).unwrap();
+    let long = Volume::new([40_000, 1, 1], 1, Affine::default(), vec![0u8; 40_000]).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let error = write_nifti(&folder.path().join("long.nii"), &long).unwrap_err();
     assert!(matches!(error, VolumeIoError::Unsupported { .. }), "{error}");
