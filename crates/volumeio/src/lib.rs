@@ -2,7 +2,8 @@
 //!
 //! A [`Volume`] is a box of voxels, x fastest, each with one value or with several channels, and a
 //! [`Affine`] that says where it lies. [`read_volume`] takes the format from the file's name, and tells what
-//! the file says of it in a [`LoadedVolume`].
+//! the file says of it in a [`LoadedVolume`]. [`LoadedVolume::body`] says which voxels are the body, by one rule for all
+//! formats.
 //!
 //! | format | read | written |
 //! |---|---|---|
@@ -26,24 +27,32 @@
 //! ```
 #![warn(missing_docs)]
 
+mod body;
 mod error;
 mod format;
+mod label_names;
 mod loaded;
 mod nifti;
 mod npy;
 mod nrrd;
+mod placement;
 mod sample_type;
 mod samples;
 mod tiff;
+mod values;
 mod volume;
 
+pub use body::{Body, BodyError, BodyParameters, Label, LabelCount};
 pub use error::VolumeIoError;
 pub use format::{VolumeFormat, read_volume};
+pub use label_names::{LabelName, read_label_names};
 pub use loaded::{ChannelKind, LoadedVolume, Segment, World, WorldAxes};
 pub use mser3d_shape::Affine;
 pub use nifti::write_nifti;
 pub use npy::write_npy;
+pub use placement::{PlacementParameters, read_affine};
 pub use samples::Samples;
+pub use values::{ValueCounts, ValueKind};
 pub use volume::Volume;
 
 #[cfg(doctest)]
