@@ -118,7 +118,10 @@ pub enum BodyError {
         label: Label,
     },
     /// The volume holds grey values.
-    #[error("grey values: {counts}; say from which value on the body begins with --threshold T")]
+    #[error(
+        "grey values: {counts}; say from which value on the body begins with --threshold T, or \
+             choose one value with --label N"
+    )]
     Grey {
         /// What was found.
         counts: String,

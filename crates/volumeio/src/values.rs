@@ -10,6 +10,7 @@ use std::fmt;
 /// let volume = Volume::new([5, 1, 1], 1, Affine::default(), vec![0u8, 2, 2, 7, 0])?;
 /// let counts = ValueCounts::of(&volume, 0);
 /// assert_eq!(counts.values, [(0.0, 2), (2.0, 2), (7.0, 1)]);
+/// assert_eq!(counts.to_string(), "0 (2 voxels), 2 (2 voxels), 7 (1 voxels)");
 /// assert_eq!(counts.kind, ValueKind::Labels);
 /// # Ok::<(), mser3d_volumeio::VolumeIoError>(())
 /// ```
@@ -51,6 +52,9 @@ impl ValueCounts {
     /// Of whole numbers other than the commonest, this part has a neighbour along x of its own value in a label map. In
     /// grey values, which are noisy, few have.
     const ALIKE: f64 = 0.8;
+
+    /// So few whole numbers are labels, however they lie.
+    const FEW: usize = 4;
 
     /// Counts the values of a channel. Time: one pass, O(1) for each run of equal values.
     pub fn of(volume: &Volume, channel: usize) -> Self {
@@ -101,7 +105,7 @@ impl ValueCounts {
         let kind = match (values.iter().filter(|v| v.0 != 0.0).count(), values.len()) {
             (0, _) => ValueKind::Empty,
             (1, _) => ValueKind::Mask,
-            _ if whole && !more && (filled || values.len() == 2) => ValueKind::Labels,
+            _ if whole && !more && (filled || values.len() <= Self::FEW) => ValueKind::Labels,
             _ => ValueKind::Grey,
         };
         Self { values, more, nan, range, kind }
