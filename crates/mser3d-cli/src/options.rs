@@ -9,11 +9,13 @@ use mser3d::shape::Domain;
 use mser3d::spectral::{EigenpairRange, Eigensolver, SpectrumParameters};
 use mser3d::{DescriptorKind, Parameters, Weight, available_memory};
 use mser3d_collection::SpectrumCache;
-use mser3d_results::ShapeFile;
+use mser3d_meshio::ReadOptions;
+use mser3d_results::{ShapeFile, ShapeOptions};
 
 use crate::choice::choice;
 use crate::error::CliError;
 use crate::numbers::{count, fraction, positive};
+use crate::volume_options::VolumeOptions;
 use crate::voxel_options::VoxelOptions;
 
 /// Options of everything that computes regions.
@@ -157,6 +159,11 @@ impl RegionOptions {
         Ok(parameters)
     }
 
+    /// How a shape is read.
+    pub fn shape(&self, volume: &VolumeOptions, pose: ReadOptions) -> Result<ShapeOptions, CliError> {
+        volume.shape(pose, self.voxels.volume_spacing()?, self.voxels.volume_origin()?)
+    }
+
     /// Refuses options that the file has no use for.
     pub fn check(&self, file: &ShapeFile) -> Result<(), CliError> {
         if file.mesh().is_some() {
@@ -165,7 +172,7 @@ impl RegionOptions {
         file.input(self.domain())?;
         match self.voxels.first_given() {
             Some(option) => {
-                Err(CliError::Usage(format!("{option} needs a mesh; a voxel mask is voxels already")))
+                Err(CliError::Usage(format!("{option} needs a mesh; a volume is voxels already")))
             }
             None => Ok(()),
         }

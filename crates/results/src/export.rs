@@ -5,6 +5,8 @@ use mser3d_meshio::{
 };
 use mser3d_viewer::NO_REGION;
 
+use crate::label_map::LabelMap;
+use crate::landmarks::write_landmarks;
 use crate::{Results, ResultsError};
 
 impl Results {
@@ -16,6 +18,8 @@ impl Results {
     /// | `.ply` | MeshLab, Blender | the mesh; colour and `region` per vertex |
     /// | `.vtp` | ParaView | the mesh; `color` and `region` per point |
     /// | `.vti` | ParaView | the voxels; `region` and `inside` per cell |
+    /// | `.nii`, `.nii.gz` | Slicer, ITK-SNAP, nibabel | the voxels on the grid of the input; 1 + the number of the region, 0 for none |
+    /// | `.mrk.json` | Slicer | the regions' centres and tips |
     ///
     /// Of a solid given as voxels, the mesh is the outer faces of its voxels. `region` is the innermost
     /// region, -1 for none.
@@ -25,6 +29,15 @@ impl Results {
     /// [`ResultsError::File`], naming the file.
     pub fn export(&self, path: &Path) -> Result<(), ResultsError> {
         let refuse = |reason| ResultsError::Export { path: path.to_owned(), reason };
+        let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        if name.ends_with(".mrk.json") {
+            return write_landmarks(path, &[(String::new(), &self.record)]);
+        }
+        if name.ends_with(".nii") || name.ends_with(".nii.gz") {
+            let none = "the regions were found on a surface, there are no voxels; write .ply";
+            self.grid.as_ref().ok_or_else(|| refuse(none))?;
+            return LabelMap::new(&[(self, 0)])?.write(path);
+        }
         let ending = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
         match ending.as_deref() {
             Some("glb") => Ok(self.with_attributes(|a| write_glb(path, &self.mesh, a))?),
@@ -37,7 +50,7 @@ impl Results {
                 let field = VoxelField { name: "region", values: VoxelValues::Labels(&regions) };
                 Ok(write_vti(path, grid, &[field])?)
             }
-            _ => Err(refuse("no such format; end the name in .glb, .ply, .vtp or .vti")),
+            _ => Err(refuse("no such format; end the name in .glb, .ply, .vtp, .vti, .nii.gz or .mrk.json")),
         }
     }
 

@@ -8,7 +8,7 @@ use mser3d_shape::{BitGrid, Domain, Frame, TriangleMesh, VoxelGrid};
 use serde::Deserialize;
 
 use crate::msv::MSV_RECORD;
-use crate::{FORMAT, Record, Results, ResultsError, TreeArrays};
+use crate::{FORMAT, GridRecord, Record, Results, ResultsError, TreeArrays};
 
 impl Results {
     /// Reads a folder that [`Results::write`] wrote, and checks that its files belong together.
@@ -29,7 +29,10 @@ impl Results {
         arrays.length("region_descriptor", descriptors.len(), regions * descriptor_width)?;
         let (mut grid, mut region_voxels) = (None, vec![Vec::new(); regions]);
         if record.domain == Domain::Volume {
-            let solid = arrays.grid()?;
+            let Some(own) = &record.grid else {
+                return Err(arrays.broken("regions.json has no grid for its voxels".into()));
+            };
+            let solid = arrays.grid(own)?;
             region_voxels = arrays.lists("region_voxels", regions, solid.len())?;
             grid = Some(solid);
         }
@@ -191,26 +194,23 @@ impl Arrays {
         cut.ok_or_else(|| self.broken(format!("array {name}_start does not ascend")))
     }
 
-    fn grid(&mut self) -> Result<VoxelGrid, ResultsError> {
+    fn grid(&mut self, grid: &GridRecord) -> Result<VoxelGrid, ResultsError> {
         let index = self.indices("voxel_index", 1 << 24)?;
         let (index, rest) = index.as_chunks::<3>();
-        let origin = self.take("grid_origin", numbers)?;
-        let pitch = self.take("pitch", numbers)?;
-        let origin: Option<[f64; 3]> = origin.try_into().ok();
-        let pitch: Option<[f64; 3]> = match pitch[..] {
-            [h] => Some([h; 3]),
-            _ => pitch.try_into().ok(),
-        };
-        let (Some(origin), Some(pitch), true) = (origin, pitch, rest.is_empty()) else {
-            return Err(self.broken("the arrays of the grid have wrong shapes".into()));
-        };
-        let dims = std::array::from_fn(|a| index.iter().map(|v| v[a] as usize + 1).max().unwrap_or(0));
+        let affine = self.take("grid_affine", numbers)?;
+        if affine != grid.affine.matrix().as_flattened() || !rest.is_empty() {
+            return Err(self.broken("the arrays of the grid are not those of regions.json".into()));
+        }
+        let dims = grid.dims;
+        if let Some(v) = index.iter().find(|v| (0..3).any(|a| v[a] as usize >= dims[a])) {
+            return Err(self.broken(format!("array voxel_index names voxel {v:?}, beyond {dims:?}")));
+        }
         let mut inside = BitGrid::empty(dims)?;
         index.iter().for_each(|&v| inside.set(v, true));
         if !inside.ones().eq(index.iter().copied()) {
             return Err(self.broken("array voxel_index is not in the order of a grid, x fastest".into()));
         }
-        Ok(VoxelGrid::solid(Frame::new(dims, origin, pitch)?, inside)?)
+        Ok(VoxelGrid::solid(Frame::placed(dims, &grid.affine)?, inside)?)
     }
 
     fn tree(&mut self, number: usize, elements: usize) -> Result<TreeArrays, ResultsError> {

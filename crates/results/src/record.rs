@@ -4,12 +4,15 @@ use mser3d::comptree::{Polarity, SelectionReport};
 use mser3d::descriptors::TimeScale;
 use mser3d::spectral::SpectrumReport;
 use mser3d::voxelize::{Diagnosis, GridTopology, InsideTest, Voxelization};
-use mser3d::{Features, Parameters, RunReport};
-use mser3d_shape::Domain;
+use mser3d::{Features, Parameters, Region, RunReport};
+use mser3d_shape::vector::scale;
+use mser3d_shape::{Affine, Domain, VoxelGrid};
 use serde::{Deserialize, Serialize};
 
+use crate::{OrientedBox, VolumeRecord};
+
 /// The layout of `regions.json` and `features.npz` that this version writes and reads.
-pub const FORMAT: u32 = 2;
+pub const FORMAT: u32 = 3;
 
 /// What `regions.json` says: what was read, how it was treated, and what was found. Its JSON Schema is
 /// `docs/regions.schema.json`.
@@ -29,6 +32,8 @@ pub struct Record {
     pub domain: Domain,
     /// Every parameter that the result depends on.
     pub parameters: Parameters,
+    /// The grid of the voxels; none for surfaces.
+    pub grid: Option<GridRecord>,
     /// How the mesh became voxels; none for surfaces and masks.
     pub voxelization: Option<VoxelizationRecord>,
     /// The eigenpairs, and how good they are.
@@ -65,8 +70,20 @@ pub struct InputRecord {
     pub animation: Option<String>,
     /// When in the animation, in seconds.
     pub time: f64,
-    /// What the mesh is like; none for a mask.
+    /// The volume that the body was taken from; none for a mesh.
+    pub volume: Option<VolumeRecord>,
+    /// What the mesh is like; none for a volume.
     pub diagnosis: Option<Diagnosis>,
+}
+
+/// Where the voxels lie.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct GridRecord {
+    /// Voxels along the axes of the grid: those of the file, where the solid was read from a volume.
+    pub dims: [usize; 3],
+    /// Index to world, 4 x 4: the centre of voxel (i, j, k) is `affine (i, j, k, 1)`.
+    pub affine: Affine,
 }
 
 impl InputRecord {
@@ -193,12 +210,19 @@ pub struct RegionRecord {
     pub vertices: usize,
     /// Centre of mass.
     pub centroid: [f64; 3],
+    /// Where it begins: the place with the extreme weight, of heat weights the end of a limb.
+    pub tip: [f64; 3],
+    /// The smallest box around it along its principal axes.
+    pub oriented_box: OrientedBox,
 }
 
 impl Record {
     /// The record of what was found on an input. `notes` are what reading it said, before the features' own warnings.
     pub fn new(features: &Features, input: InputRecord, notes: &[String]) -> Self {
-        let volume = features.shape.grid().is_some();
+        let grid = features.shape.grid().map(VoxelGrid::frame);
+        let half_edges = grid.map_or([[0.0; 3]; 3], |frame| frame.affine().steps().map(|s| scale(s, 0.5)));
+        let (positions, mass) = (features.shape.positions(), features.basis.mass());
+        let volume = grid.is_some();
         let regions = (0..).zip(&features.regions).map(|(id, r)| RegionRecord {
             id,
             parent: r.parent.map(|p| p as u32),
@@ -211,6 +235,8 @@ impl Record {
             voxels: volume.then_some(r.elements.len()),
             vertices: r.vertices.len(),
             centroid: r.centroid,
+            tip: positions[tip(features, r) as usize],
+            oriented_box: OrientedBox::around(&r.elements, positions, mass, half_edges),
         });
         let trees = features.trees.iter().map(|t| TreeRecord {
             time_scale: t.time_scale,
@@ -219,11 +245,15 @@ impl Record {
             selection: t.selection.report,
         });
         let warnings = features.warnings.iter().map(ToString::to_string);
+        // As the file has it, to the last bit.
+        let affine = input.volume.as_ref().map(|volume| volume.affine);
         Self {
             mser3d: env!("CARGO_PKG_VERSION").to_owned(),
             format: FORMAT,
             input,
             domain: features.shape.domain(),
+            grid: grid
+                .map(|frame| GridRecord { dims: frame.dims(), affine: affine.unwrap_or(frame.affine()) }),
             parameters: features.parameters.clone(),
             voxelization: features.voxelization.as_ref().map(VoxelizationRecord::from),
             spectrum: SpectrumRecord {
@@ -257,7 +287,7 @@ impl Record {
     /// pose, same parameters.
     pub fn is_of(&self, input: &InputRecord, domain: Domain, parameters: &Parameters) -> bool {
         let pose = |i: &InputRecord| {
-            (i.sha256.clone(), i.mesh_sha256.clone(), i.animation.clone(), i.time.to_bits())
+            (i.sha256.clone(), i.mesh_sha256.clone(), i.animation.clone(), i.time.to_bits(), i.volume.clone())
         };
         let parameters = Parameters { polarity: Some(parameters.polarity()), ..parameters.clone() };
         self.mser3d == env!("CARGO_PKG_VERSION")
@@ -273,6 +303,17 @@ impl Record {
         let stem = Path::new(&self.input.path).file_stem().map(|s| s.to_string_lossy().into_owned());
         stem.unwrap_or_else(|| "shape".to_owned())
     }
+}
+
+/// The element of a region with the extreme weight: the one that enters its tree first, of several the first.
+fn tip(features: &Features, region: &Region) -> u32 {
+    let tree = &features.trees[region.tree].tree;
+    let altitude = |e: &u32| tree.altitudes()[tree.nodes_of_vertices()[*e as usize] as usize];
+    let order = |a: &&u32, b: &&u32| match tree.polarity() {
+        Polarity::Sublevel => altitude(a).total_cmp(&altitude(b)),
+        Polarity::Superlevel => altitude(b).total_cmp(&altitude(a)),
+    };
+    *region.elements.iter().min_by(order).expect("a region has elements")
 }
 
 /// JSON has neither infinity nor NaN.
@@ -330,6 +371,8 @@ mod tests {
             voxels: None,
             vertices: 4,
             centroid: [0.1, 0.2, 0.3],
+            tip: [0.0; 3],
+            oriented_box: OrientedBox::default(),
         };
         for stability in [2.5, f64::INFINITY, f64::NAN] {
             let text = serde_json::to_string(&RegionRecord { stability, ..region.clone() }).unwrap();

@@ -51,10 +51,8 @@ impl Results {
     /// # Errors
     /// [`ResultsError::OtherMesh`] when the features are not that file's.
     pub fn of_file(features: &Features, file: &ShapeFile) -> Result<Self, ResultsError> {
-        let loaded = file.loaded();
-        let notes = loaded.map_or(&[][..], |l| &l.notes);
-        let record = Record::new(features, file.record(), notes);
-        let file_vertex = loaded.and_then(|l| l.weld.clone());
+        let record = Record::new(features, file.record(), file.notes());
+        let file_vertex = file.loaded().and_then(|l| l.weld.clone());
         Ok(Self { file_vertex, ..Self::with_record(record, features, file.mesh())? })
     }
 

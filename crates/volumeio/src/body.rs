@@ -1,5 +1,5 @@
 //! Which voxels of a volume are the body: one rule for all formats.
-use crate::{ChannelKind, LoadedVolume, ValueCounts, ValueKind};
+use crate::{ChannelKind, LoadedVolume, ValueCounts, ValueKind, Volume};
 use mser3d_shape::{BitGrid, ShapeError};
 use std::convert::Infallible;
 use std::fmt;
@@ -61,6 +61,13 @@ pub struct Body {
     pub name: Option<String>,
     /// What the user should know.
     pub notes: Vec<String>,
+}
+
+impl BodyParameters {
+    /// The voxels of a label.
+    pub fn of_label(value: i64) -> Self {
+        Self { label: Some(Label::Value(value)), ..Self::default() }
+    }
 }
 
 /// A label, with its size.
@@ -219,6 +226,18 @@ impl LoadedVolume {
         Ok(Body { mask, volume, label, name: name.flatten(), notes })
     }
 
+    /// The grey values or colours: one of several volumes, if there are several.
+    ///
+    /// # Errors
+    /// [`BodyError::SeveralVolumes`], [`BodyError::NoVolume`].
+    pub fn grey(self, volume: Option<usize>) -> Result<Volume, BodyError> {
+        if volume.is_none() && self.channels == ChannelKind::Colours {
+            return Ok(self.volume);
+        }
+        let chosen = self.chosen_volume(volume, &mut Vec::new())?;
+        Ok(self.volume.channel(chosen))
+    }
+
     /// All labels but 0, by volume and number.
     ///
     /// # Errors
@@ -342,10 +361,11 @@ impl LoadedVolume {
     }
 }
 
-/// The part of the outer voxels of the box that are inside; 0 for an image, which is all border.
+/// The part of the outer voxels of the box that are inside; 0 for an image, which is all border, and without a background.
 fn border_share(mask: &BitGrid) -> f64 {
     let dims = mask.dims();
-    if dims.iter().any(|&d| d < 3) {
+    // A volume that is all body has no background.
+    if dims.iter().any(|&d| d < 3) || mask.count_ones() == dims.iter().product() {
         return 0.0;
     }
     let outer = |v: &[u32; 3]| (0..3).any(|a| v[a] == 0 || v[a] as usize + 1 == dims[a]);
@@ -356,7 +376,7 @@ fn border_share(mask: &BitGrid) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Affine, Samples, Segment, Volume, VolumeFormat};
+    use crate::{Affine, Samples, Segment, VolumeFormat};
 
     fn loaded(channels: usize, kind: ChannelKind, samples: impl Into<Samples>) -> LoadedVolume {
         let samples = samples.into();

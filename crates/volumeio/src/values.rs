@@ -105,7 +105,10 @@ impl ValueCounts {
         let kind = match (values.iter().filter(|v| v.0 != 0.0).count(), values.len()) {
             (0, _) => ValueKind::Empty,
             (1, _) => ValueKind::Mask,
-            _ if whole && !more && (filled || values.len() <= Self::FEW) => ValueKind::Labels,
+            // Labels are counted from 0; a CT begins at -1024.
+            _ if whole && !more && values[0].0 >= 0.0 && (filled || values.len() <= Self::FEW) => {
+                ValueKind::Labels
+            }
             _ => ValueKind::Grey,
         };
         Self { values, more, nan, range, kind }
