@@ -26,14 +26,19 @@
 //! ```
 #![warn(missing_docs)]
 
+mod bytes;
 mod error;
 mod format;
+mod half;
 mod loaded;
+mod metaimage;
+mod mgh;
 mod nifti;
 mod npy;
 mod nrrd;
 mod sample_type;
 mod samples;
+mod text_values;
 mod tiff;
 mod volume;
 
@@ -41,7 +46,7 @@ pub use error::VolumeIoError;
 pub use format::{VolumeFormat, read_volume};
 pub use loaded::{ChannelKind, LoadedVolume, Segment, World, WorldAxes};
 pub use mser3d_shape::Affine;
-pub use nifti::write_nifti;
+pub use nifti::{write_nifti, write_nifti_in};
 pub use npy::write_npy;
 pub use samples::Samples;
 pub use volume::Volume;
