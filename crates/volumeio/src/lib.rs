@@ -28,16 +28,21 @@
 #![warn(missing_docs)]
 
 mod body;
+mod bytes;
 mod error;
 mod format;
+mod half;
 mod label_names;
 mod loaded;
+mod metaimage;
+mod mgh;
 mod nifti;
 mod npy;
 mod nrrd;
 mod placement;
 mod sample_type;
 mod samples;
+mod text_values;
 mod tiff;
 mod values;
 mod volume;
@@ -48,7 +53,7 @@ pub use format::{VolumeFormat, read_volume};
 pub use label_names::{LabelName, read_label_names};
 pub use loaded::{ChannelKind, LoadedVolume, Segment, World, WorldAxes};
 pub use mser3d_shape::Affine;
-pub use nifti::write_nifti;
+pub use nifti::{write_nifti, write_nifti_in};
 pub use npy::write_npy;
 pub use placement::{PlacementParameters, read_affine};
 pub use samples::Samples;

@@ -34,7 +34,7 @@ mser3d_shape::choice! {
 /// use mser3d_volumeio::{World, WorldAxes};
 /// let world = World { axes: WorldAxes::Ras, unit: Some("mm".to_owned()) };
 /// assert_eq!(world.to_string(), "x right, y anterior, z superior (RAS+), in mm");
-/// assert_eq!(World::default().to_string(), "the file's own axes, in its own unit");
+/// assert_eq!(World::default().to_string(), "the file's own axes; the file names no unit");
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -47,7 +47,7 @@ pub struct World {
 }
 
 impl World {
-    /// Right, anterior, superior, in millimetres.
+    /// Right, anterior, superior, in a unit.
     pub(crate) fn ras(unit: impl Into<String>) -> Self {
         Self { axes: WorldAxes::Ras, unit: Some(unit.into()) }
     }
@@ -59,9 +59,10 @@ impl fmt::Display for World {
             WorldAxes::Ras => "x right, y anterior, z superior (RAS+)",
             WorldAxes::File => "the file's own axes",
         })?;
-        match &self.unit {
-            Some(unit) => write!(f, ", in {unit}"),
-            None => f.write_str(", in its own unit"),
+        match (&self.unit, self.axes) {
+            (Some(unit), _) => write!(f, ", in {unit}"),
+            (None, WorldAxes::Ras) => f.write_str("; the file names no unit (mm is usual)"),
+            (None, WorldAxes::File) => f.write_str("; the file names no unit"),
         }
     }
 }

@@ -2,9 +2,10 @@
 //!
 //! Read here and not by `mser3d-fileio`: volumes come in every type and byte order, features do not.
 use crate::error::Fault;
+use crate::half::halves;
 use crate::sample_type::SampleType;
 use crate::volume::voxel_count;
-use crate::{Affine, LoadedVolume, Samples, Volume, VolumeFormat, VolumeIoError};
+use crate::{Affine, LoadedVolume, Volume, VolumeFormat, VolumeIoError};
 use mser3d_fileio::write_atomically;
 use std::io::{Read, Write};
 use std::path::Path;
@@ -115,22 +116,6 @@ fn shape(header: &str) -> Result<([usize; 3], usize), Fault> {
     }
 }
 
-/// Numbers of IEEE 754's binary16, given as their bits.
-fn halves(bits: &Samples) -> Samples {
-    let Samples::U16(bits) = bits else { return bits.clone() };
-    let number = |&bits: &u16| {
-        let sign = if bits >> 15 == 1 { -1.0f32 } else { 1.0 };
-        let (exponent, mantissa) = (i32::from(bits >> 10 & 31), f32::from(bits & 1023));
-        sign * match exponent {
-            0 => mantissa * 2f32.powi(-24),
-            31 if mantissa == 0.0 => f32::INFINITY,
-            31 => f32::NAN,
-            _ => (1024.0 + mantissa) * 2f32.powi(exponent - 25),
-        }
-    };
-    Samples::F32(bits.iter().map(number).collect())
-}
-
 /// Writes `array[x, y, z]`, or `array[x, y, z, channel]` of several channels. The affine is not kept.
 ///
 /// # Errors
@@ -174,6 +159,7 @@ pub fn write_npy(path: &Path, volume: &Volume) -> Result<(), VolumeIoError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Samples;
 
     fn file(order: &str, kind: &str, shape: &str, data: &[u8]) -> Vec<u8> {
         let text = format!("{{'descr': '{kind}', 'fortran_order': {order}, 'shape': {shape}, }}\n");

@@ -76,10 +76,6 @@ fn what_cannot_be_is_refused() {
         let volume = Volume::new(dims, channels, affine, vec![0u8; count]);
         assert!(matches!(volume, Err(VolumeIoError::InvalidVolume { .. })));
     }
-    let long = Volume::new([40_000, 1, 1], 1, Affine::default(), vec![0u8; 40_000]).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let error = write_nifti(&folder.path().join("long.nii"), &long).unwrap_err();
-    assert!(matches!(error, VolumeIoError::Unsupported { .. }), "{error}");
     assert!(matches!(read_volume(Path::new("a.obj")), Err(VolumeIoError::UnknownFormat { .. })));
     assert!(matches!(
         read_volume(Path::new("nowhere/a.nii")),
@@ -98,15 +94,11 @@ fn samples() -> Vec<(&'static str, Vec<u8>)> {
     };
     let nrrd =
         b"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 2\nencoding: raw\n\n12345678";
-    let mut tiff = std::io::Cursor::new(Vec::new());
-    let mut encoder = tiff::encoder::TiffEncoder::new(&mut tiff).unwrap();
-    encoder.write_image::<tiff::encoder::colortype::Gray16>(3, 2, &[1, 2, 3, 4, 5, 6]).unwrap();
     vec![
         ("a.npy", written("a.npy")),
         ("a.nii", written("a.nii")),
         ("a.nii.gz", written("a.nii.gz")),
         ("a.nrrd", nrrd.to_vec()),
-        ("a.tif", tiff.into_inner()),
     ]
 }
 
