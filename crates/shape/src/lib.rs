@@ -39,6 +39,7 @@ mod parameter;
 mod random;
 mod runs;
 pub mod vector;
+mod word_tree;
 
 pub use bits::{BitGrid, Bits};
 pub use choice::{Choice, UnknownChoice};
@@ -49,6 +50,7 @@ pub use graph::{Components, Graph};
 pub use grid::{Connectivity, DIAGONALS, Frame, VoxelGrid};
 pub use index_set::{IndexSet, innermost_regions};
 pub use mesh::{BoundingBox, TriangleMesh};
+pub use nearest::NearestVoxels;
 pub use parameter::InvalidParameter;
 pub use random::SplitMix64;
 
