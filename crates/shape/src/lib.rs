@@ -38,6 +38,7 @@ mod nearest;
 mod parameter;
 mod random;
 mod runs;
+mod split;
 pub mod vector;
 mod word_tree;
 
