@@ -1,15 +1,11 @@
-use std::time::Instant;
+use mser3d_spectral::{EigenpairRange, Spectrum, SpectrumParameters};
 
-use mser3d_descriptors::Descriptors;
-use mser3d_shape::{Eigenbasis, innermost_regions};
-use mser3d_spectral::{EigenpairRange, Spectrum, SpectrumParameters, SpectrumReport};
-use mser3d_voxelize::Voxelization;
-
+use crate::features::{Found, FoundOnBody};
 use crate::input::Prepared;
-use crate::memory::peak_memory;
-use crate::progress::{NO_PROGRESS, ProgressFn, Stage, report};
+use crate::progress::{NO_PROGRESS, Progress, ProgressFn, Stage, report};
+use crate::run_report::Clock;
 use crate::{
-    DiscreteShape, Error, Input, Parameters, Region, RegionSet, Tree, Warning, describe, find_regions,
+    Body, DiscreteShape, Error, Features, Input, Parameters, RegionSet, Warning, describe, find_regions,
 };
 
 /// Where the eigenpairs of a shape come from: [`DiscreteShape::spectrum`], or a cache before it.
@@ -72,7 +68,7 @@ impl<'a> Detector<'a> {
         if let Input::Volume(_) = input {
             report(*progress, Stage::Voxelize, 0, 1)?;
         }
-        let Prepared { shape, voxelization, mut warnings } = input.prepare(parameters)?;
+        let Prepared { shape, bodies, voxelization, mut warnings } = input.prepare(parameters, *progress)?;
         if let Some(voxelization) = &voxelization {
             report(*progress, Stage::Voxelize, 1, 1)?;
             let seconds = clock.lap(Stage::Voxelize);
@@ -87,36 +83,48 @@ impl<'a> Detector<'a> {
         } else {
             clock.restart();
         }
-        let Spectrum { basis, report: spectrum, .. } = spectra(&shape, &parameters.spectrum, *progress)?;
-        let (seconds, available) = (clock.lap(Stage::Spectrum), basis.eigenvalues().len());
-        tracing::info!(
-            eigenpairs = available,
-            solver = %spectrum.solver,
-            residual = spectrum.residual,
-            seconds,
-            "solved"
-        );
-        match parameters.spectrum.eigenpairs {
-            EigenpairRange::AtMost(wanted) if available < wanted => {
-                // Before what the voxelizer says, which is long.
-                warnings.insert(0, Warning::FewEigenpairs { wanted, available });
-            }
-            _ => {}
+        let parts = if bodies.len() > 1 { shape.split(&bodies)? } else { Vec::new() };
+        let part = |body: usize| parts.get(body).unwrap_or(&shape);
+
+        let mut searched = Vec::with_capacity(bodies.len());
+        for (body, elements) in bodies.iter().enumerate() {
+            let progress = |told| progress(of_bodies(told, body, bodies.len()));
+            let Spectrum { basis, report, .. } = spectra(part(body), &parameters.spectrum, &progress)?;
+            let (available, residual) = (basis.eigenvalues().len(), report.residual);
+            tracing::info!(body, eigenpairs = available, solver = %report.solver, residual, "solved");
+            searched.push(Body { elements: elements.clone(), basis, spectrum: report });
         }
-        let RegionSet { regions, trees, duplicates } = find_regions(&shape, &basis, parameters, *progress)?;
+        let seconds = clock.lap(Stage::Spectrum);
+        tracing::info!(bodies = bodies.len(), seconds, "solved all");
+        self.warn_of_spectra(&searched, &mut warnings);
+
+        let mut sets = Vec::with_capacity(bodies.len());
+        for (number, body) in searched.iter().enumerate() {
+            let progress = |told| progress(of_bodies(told, number, bodies.len()));
+            sets.push(find_regions(part(number), &body.basis, parameters, &progress)?);
+        }
         let seconds = clock.lap(Stage::Regions);
-        tracing::info!(regions = regions.len(), trees = trees.len(), duplicates, seconds, "found regions");
-        report(*progress, Stage::Descriptors, 0, regions.len())?;
-        let descriptors = describe(&basis, &regions, parameters)?;
-        report(*progress, Stage::Descriptors, regions.len(), regions.len())?;
+        let count = |size: fn(&RegionSet) -> usize| sets.iter().map(size).sum::<usize>();
+        let (regions, trees) = (count(|set| set.regions.len()), count(|set| set.trees.len()));
+        tracing::info!(regions, trees, duplicates = count(|set| set.duplicates), seconds, "found regions");
+
+        report(*progress, Stage::Descriptors, 0, regions)?;
+        let mut found = Vec::with_capacity(bodies.len());
+        let mut done = 0;
+        for (set, body) in sets.into_iter().zip(&searched) {
+            let descriptors = describe(&body.basis, &set.regions, parameters)?;
+            done += set.regions.len();
+            report(*progress, Stage::Descriptors, done, regions)?;
+            found.push(FoundOnBody { set, descriptors });
+        }
+        let Found { regions, descriptors, trees, duplicates } = Found::on_all(&shape, &bodies, found)?;
         let seconds = clock.lap(Stage::Descriptors);
         tracing::info!(regions = regions.len(), seconds, "described regions");
         Ok(Features {
             parameters: Parameters { polarity: Some(parameters.polarity()), ..parameters.clone() },
             shape,
             voxelization,
-            basis,
-            spectrum,
+            bodies: searched,
             regions,
             descriptors,
             trees,
@@ -125,107 +133,28 @@ impl<'a> Detector<'a> {
             run: clock.stop(),
         })
     }
-}
 
-/// The stable regions of a shape, their descriptors, and how they were found.
-#[derive(Clone, Debug)]
-#[non_exhaustive]
-pub struct Features {
-    /// The parameters they were found with; the polarity is set.
-    pub parameters: Parameters,
-    /// What heat flowed on.
-    pub shape: DiscreteShape,
-    /// How the mesh was voxelized; none for surfaces and for solids given as voxels.
-    pub voxelization: Option<Voxelization>,
-    /// The eigenpairs.
-    pub basis: Eigenbasis,
-    /// Their measured quality.
-    pub spectrum: SpectrumReport,
-    /// The regions, by descending volume.
-    pub regions: Vec<Region>,
-    /// A descriptor for each region, in the same order.
-    pub descriptors: Descriptors,
-    /// One component tree for each time scale, and what each filter cut.
-    pub trees: Vec<Tree>,
-    /// Regions dropped because another time scale had them too.
-    pub duplicates: usize,
-    /// What the user should know.
-    pub warnings: Vec<Warning>,
-    /// What the run took.
-    pub run: RunReport,
-}
-
-impl Features {
-    /// The innermost region of each vertex of the mesh, in file order: the smallest that has it.
-    pub fn region_of_vertex(&self) -> Vec<Option<u32>> {
-        innermost_regions(self.shape.element_of_vertex().len(), self.regions.iter().map(|r| &r.vertices))
-    }
-
-    /// The innermost region of each voxel or surface vertex.
-    pub fn region_of_element(&self) -> Vec<Option<u32>> {
-        innermost_regions(self.shape.len(), self.regions.iter().map(|r| &r.elements))
-    }
-}
-
-/// What a run took: what differs from run to run.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[non_exhaustive]
-pub struct RunReport {
-    /// Threads that it could use.
-    pub threads: usize,
-    /// Wall time of all stages, in seconds.
-    pub seconds: f64,
-    /// The most memory that the process held up to the end, in bytes; none where the system does not tell.
-    pub peak_memory_bytes: Option<u64>,
-    /// What each stage took.
-    pub stages: Vec<StageReport>,
-}
-
-/// What a stage took.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[non_exhaustive]
-pub struct StageReport {
-    /// The stage.
-    pub stage: Stage,
-    /// Its wall time in seconds.
-    pub seconds: f64,
-    /// The most memory that the process held up to its end, in bytes; none where the system does not tell.
-    pub peak_memory_bytes: Option<u64>,
-}
-
-/// Measures one stage after another.
-struct Clock {
-    start: Instant,
-    stages: Vec<StageReport>,
-}
-
-impl Clock {
-    fn start() -> Self {
-        Self { start: Instant::now(), stages: Vec::new() }
-    }
-
-    fn restart(&mut self) {
-        self.start = Instant::now();
-    }
-
-    /// Ends a stage; returns its seconds.
-    fn lap(&mut self, stage: Stage) -> f64 {
-        let seconds = self.start.elapsed().as_secs_f64();
-        self.stages.push(StageReport { stage, seconds, peak_memory_bytes: peak_memory() });
-        self.restart();
-        seconds
-    }
-
-    fn stop(self) -> RunReport {
-        RunReport {
-            threads: rayon::current_num_threads(),
-            seconds: self.stages.iter().map(|s| s.seconds).sum(),
-            peak_memory_bytes: peak_memory(),
-            stages: self.stages,
+    /// Adds what the spectra tell of the shape.
+    fn warn_of_spectra(&self, bodies: &[Body], warnings: &mut Vec<Warning>) {
+        let most = bodies.iter().map(|body| body.spectrum.zero_modes).max().unwrap_or(0);
+        if most > 1 {
+            warnings.push(Warning::Apart { parts: most });
         }
+        let available = bodies.iter().map(|body| body.basis.eigenvalues().len()).min().unwrap_or(0);
+        match self.parameters.spectrum.eigenpairs {
+            EigenpairRange::AtMost(wanted) if available < wanted => {
+                // Before what the voxelizer says, which is long.
+                warnings.insert(0, Warning::FewEigenpairs { wanted, available });
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Progress on one of several bodies as progress on all: a hundred units for each.
+fn of_bodies(told: Progress, body: usize, bodies: usize) -> Progress {
+    match bodies {
+        1 => told,
+        _ => Progress { done: 100 * body + 100 * told.done / told.total.max(1), total: 100 * bodies, ..told },
     }
 }

@@ -4,10 +4,13 @@ use mser3d_spectral::{
     EigenpairRange, SpectralError, Spectrum, SpectrumParameters, smallest_eigenpairs,
     smallest_eigenpairs_of_grid,
 };
-use mser3d_voxelize::{Voxelization, VoxelizeParameters, voxelize};
+use mser3d_voxelize::{Voxelization, VoxelizeParameters};
 
 use crate::Error;
-use crate::progress::{Progress, ProgressFn, Stage};
+use crate::bodies::Bodies;
+use crate::progress::{NO_PROGRESS, Progress, ProgressFn, Stage};
+use crate::solid::SolidOfMesh;
+use crate::weld::weld;
 
 /// A shape as heat sees it: the linked voxels of a solid, or the vertices of a surface. Either are its *elements*.
 #[derive(Clone, Debug)]
@@ -15,8 +18,8 @@ pub struct DiscreteShape {
     elements: Elements,
     /// Where each element is: centres of voxels, positions of vertices.
     positions: Vec<[f64; 3]>,
-    /// The element of each vertex of the mesh: its nearest voxel, or itself.
-    element_of_vertex: Vec<u32>,
+    /// The element of each vertex of the mesh: its nearest voxel, or the vertex that it was welded to.
+    element_of_vertex: Vec<Option<u32>>,
 }
 
 /// The elements of a [`DiscreteShape`], and which of them are neighbours.
@@ -33,7 +36,7 @@ pub enum Elements {
     },
     /// Vertices and edges of a mesh.
     Vertices {
-        /// The mesh.
+        /// The mesh, vertices at equal positions welded.
         mesh: TriangleMesh,
         /// Its vertices and edges.
         edges: Graph,
@@ -41,7 +44,8 @@ pub enum Elements {
 }
 
 impl DiscreteShape {
-    /// The solid inside a mesh, and how it was voxelized.
+    /// The solid inside a mesh, and how it was voxelized: its largest component, or all of them if `largest_only` is
+    /// off.
     ///
     /// # Errors
     /// [`Error::Voxelize`].
@@ -49,24 +53,83 @@ impl DiscreteShape {
         mesh: &TriangleMesh,
         parameters: &VoxelizeParameters,
     ) -> Result<(Self, Voxelization), Error> {
-        let voxelization = voxelize(mesh, parameters)?;
-        let mut shape = Self::solid(voxelization.grid.clone(), parameters.connectivity);
-        shape.element_of_vertex = voxelization.grid.nearest_voxels(mesh.vertices());
-        Ok((shape, voxelization))
+        let bodies = if parameters.largest_only { Bodies::Largest } else { Bodies::Join };
+        let solid = SolidOfMesh::new(mesh, parameters, bodies, NO_PROGRESS)?;
+        Ok((solid.shape, solid.voxelization))
     }
 
     /// A solid that is voxels from the start. It has no mesh, so its regions have no vertices.
     pub fn solid(grid: VoxelGrid, connectivity: Connectivity) -> Self {
-        let positions = grid.voxels().map(|v| grid.frame().centre(v)).collect();
-        Self { elements: Elements::Voxels { grid, connectivity }, positions, element_of_vertex: Vec::new() }
+        Self::solid_in_mesh(grid, connectivity, Vec::new())
     }
 
-    /// The surface of a mesh.
-    pub fn surface(mesh: &TriangleMesh) -> Self {
-        let element_of_vertex = (0..mesh.vertices().len() as u32).collect();
+    /// A solid, and the voxel of each vertex of the mesh around it.
+    pub(crate) fn solid_in_mesh(
+        grid: VoxelGrid,
+        connectivity: Connectivity,
+        element_of_vertex: Vec<Option<u32>>,
+    ) -> Self {
+        let positions = grid.voxels().map(|v| grid.frame().centre(v)).collect();
+        Self { elements: Elements::Voxels { grid, connectivity }, positions, element_of_vertex }
+    }
+
+    /// The surface of a mesh, all pieces of it. Vertices at equal positions are one element.
+    pub fn surface(mesh: &TriangleMesh) -> Result<Self, Error> {
+        let (welded, element) = weld(mesh)?;
+        Ok(Self::of_surface(welded, element.into_iter().map(Some).collect()))
+    }
+
+    fn of_surface(mesh: TriangleMesh, element_of_vertex: Vec<Option<u32>>) -> Self {
         let positions = mesh.vertices().to_vec();
-        let elements = Elements::Vertices { mesh: mesh.clone(), edges: mesh.edge_graph() };
-        Self { elements, positions, element_of_vertex }
+        let edges = mesh.edge_graph();
+        Self { elements: Elements::Vertices { mesh, edges }, positions, element_of_vertex }
+    }
+
+    /// Some of the components as a shape on its own; `keep` says which elements.
+    pub(crate) fn restrict(&self, keep: impl Fn(u32) -> bool) -> Result<Self, Error> {
+        let mut kept = 0;
+        let number: Vec<Option<u32>> = (0..self.len() as u32)
+            .map(|element| {
+                keep(element).then(|| {
+                    kept += 1;
+                    kept - 1
+                })
+            })
+            .collect();
+        let renumbered = |element: &Option<u32>| element.and_then(|e| number[e as usize]);
+        let element_of_vertex = self.element_of_vertex.iter().map(renumbered).collect();
+        Ok(match &self.elements {
+            Elements::Voxels { grid, connectivity } => {
+                Self::solid_in_mesh(grid.restrict(keep), *connectivity, element_of_vertex)
+            }
+            Elements::Vertices { mesh, .. } => {
+                let positions = mesh.vertices().iter().zip(&number).filter_map(|(p, n)| n.map(|_| *p));
+                let renumber = |t: &[u32; 3]| -> Option<[u32; 3]> {
+                    let [a, b, c] = t.map(|v| number[v as usize]);
+                    Some([a?, b?, c?])
+                };
+                let triangles = mesh.triangles().iter().filter_map(renumber).collect();
+                Self::of_surface(TriangleMesh::new(positions.collect(), triangles)?, element_of_vertex)
+            }
+        })
+    }
+
+    /// Each body as a shape on its own, from the elements of each; without the mesh's vertices.
+    pub(crate) fn split(&self, bodies: &[Vec<u32>]) -> Result<Vec<Self>, Error> {
+        let mut labels = vec![u32::MAX; self.len()];
+        for (body, elements) in (0..).zip(bodies) {
+            elements.iter().for_each(|&e| labels[e as usize] = body);
+        }
+        match &self.elements {
+            Elements::Voxels { grid, connectivity } => {
+                let grids = grid.split(&labels, bodies.len())?;
+                Ok(grids.into_iter().map(|grid| Self::solid(grid, *connectivity)).collect())
+            }
+            Elements::Vertices { .. } => {
+                let body = |label: u32| self.restrict(|e| labels[e as usize] == label);
+                (0..bodies.len() as u32).map(body).collect()
+            }
+        }
     }
 
     /// The elements, and which of them are neighbours.
@@ -105,8 +168,9 @@ impl DiscreteShape {
         &self.positions
     }
 
-    /// The element that each vertex of the mesh takes its region from: its nearest voxel, or itself.
-    pub fn element_of_vertex(&self) -> &[u32] {
+    /// The element that each vertex of the mesh takes its region from: its nearest voxel, or the first vertex at its
+    /// position. None where the vertex belongs to a body that is not part of this shape.
+    pub fn element_of_vertex(&self) -> &[Option<u32>] {
         &self.element_of_vertex
     }
 

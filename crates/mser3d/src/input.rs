@@ -1,25 +1,31 @@
 use mser3d_shape::{Domain, TriangleMesh, VoxelGrid};
-use mser3d_voxelize::{Pitch, Voxelization, VoxelizeParameters};
+use mser3d_voxelize::{Pitch, Voxelization};
 
-use crate::{DiscreteShape, Elements, Error, Parameters, Warning};
+use crate::bodies::Parts;
+use crate::progress::{NO_PROGRESS, ProgressFn};
+use crate::solid::SolidOfMesh;
+use crate::{Bodies, DiscreteShape, Elements, Error, Parameters, Warning};
 
 /// What regions are searched in.
 #[derive(Clone, Debug)]
 pub enum Input<'a> {
     /// The solid inside a mesh. Holes are closed by the winding number.
     Volume(&'a TriangleMesh),
-    /// The surface of a mesh.
+    /// The surface of a mesh, vertices at equal positions welded.
     Surface(&'a TriangleMesh),
     /// A solid that is voxels from the start, such as a mask ([`VoxelGrid::solid`]). Of the parameters of the
-    /// voxelizer it needs `connectivity` and `largest_only` alone.
+    /// voxelizer it needs `connectivity` alone.
     Solid(&'a VoxelGrid),
-    /// A shape that was made before, to serve several weights; it is taken as it is.
+    /// A shape that was made before, to serve several weights. It is taken as it is, of however many components: none
+    /// are left out. [`Bodies::All`] searches each on its own.
     Shape(Box<DiscreteShape>),
 }
 
 /// An input, made ready for the Laplacian.
 pub(crate) struct Prepared {
     pub shape: DiscreteShape,
+    /// The elements of each body that is searched on its own, the largest first.
+    pub bodies: Vec<Vec<u32>>,
     pub voxelization: Option<Voxelization>,
     pub warnings: Vec<Warning>,
 }
@@ -55,41 +61,63 @@ impl Input<'_> {
         }
     }
 
-    pub(crate) fn prepare(self, parameters: &Parameters) -> Result<Prepared, Error> {
-        let VoxelizeParameters { connectivity, largest_only, .. } = parameters.voxelize;
-        let plain = |shape| Prepared { shape, voxelization: None, warnings: Vec::new() };
-        Ok(match self {
+    pub(crate) fn prepare(self, parameters: &Parameters, progress: ProgressFn) -> Result<Prepared, Error> {
+        let (bodies, connectivity) = (parameters.bodies, parameters.voxelize.connectivity);
+        match self {
             Self::Volume(mesh) => {
-                let (shape, voxelization) = DiscreteShape::volume(mesh, &parameters.voxelize)?;
-                let warnings = voxelization.warnings.iter().cloned().map(Warning::Voxelize).collect();
-                Prepared { shape, voxelization: Some(voxelization), warnings }
+                let SolidOfMesh { shape, voxelization, bodies, warnings } =
+                    SolidOfMesh::new(mesh, &parameters.voxelize, bodies, progress)?;
+                Ok(Prepared { shape, bodies, voxelization: Some(voxelization), warnings })
             }
-            Self::Surface(mesh) => plain(DiscreteShape::surface(mesh)),
-            Self::Shape(shape) => plain(*shape),
-            Self::Solid(grid) if !largest_only => plain(DiscreteShape::solid(grid.clone(), connectivity)),
+            Self::Surface(mesh) => {
+                let shape = DiscreteShape::surface(mesh)?;
+                let merged = mesh.vertices().len() - shape.len();
+                let mut prepared = Prepared::some_bodies(shape, bodies)?;
+                if merged > 0 {
+                    prepared.warnings.insert(0, Warning::MergedVertices { vertices: merged });
+                }
+                Ok(prepared)
+            }
             Self::Solid(grid) => {
-                let (largest, components, voxels) = grid.clone().largest_component();
-                let fraction = voxels as f64 / grid.len() as f64;
-                let dropped = Warning::SmallerComponents { components, voxels, fraction };
-                let warnings = if voxels > 0 { vec![dropped] } else { Vec::new() };
-                Prepared { warnings, ..plain(DiscreteShape::solid(largest, connectivity)) }
+                Prepared::some_bodies(DiscreteShape::solid(grid.clone(), connectivity), bodies)
             }
-        })
+            Self::Shape(shape) => {
+                let each = match bodies {
+                    Bodies::All => Bodies::All,
+                    Bodies::Largest | Bodies::Join => Bodies::Join,
+                };
+                Prepared::some_bodies(*shape, each)
+            }
+        }
+    }
+}
+
+impl Prepared {
+    /// The bodies of a shape that are searched.
+    fn some_bodies(shape: DiscreteShape, bodies: Bodies) -> Result<Self, Error> {
+        let parts = Parts::of(&shape, bodies)?;
+        let warnings = parts.warning(shape.domain()).into_iter().collect();
+        let shape = if parts.keeps_all() { shape } else { shape.restrict(|element| parts.keeps(element))? };
+        Ok(Self { shape, bodies: parts.searched(bodies), voxelization: None, warnings })
     }
 }
 
 impl Parameters {
     /// The same parameters with the scale of one input, for shapes that are to be compared with it, such as poses of
-    /// one body: times and descriptors refer to its volume (or area), and meshes get its pitch.
+    /// one body: times and descriptors refer to its volume (or area), and meshes get its pitch. Where bodies are
+    /// searched each on its own, the largest is the measure of all.
     ///
     /// # Errors
-    /// [`Error::Voxelize`] when the input has no solid.
+    /// [`Error::Voxelize`] when the input has no solid, and the other errors of reading an input.
     pub fn with_scale_of(&self, input: Input) -> Result<Self, Error> {
-        let Prepared { shape, voxelization, .. } = input.prepare(self)?;
+        let Prepared { shape, bodies, voxelization, .. } = input.prepare(self, NO_PROGRESS)?;
         let mut parameters = self.clone();
         parameters.reference_measure = Some(match shape.elements() {
-            Elements::Voxels { grid, .. } => grid.volume(),
-            Elements::Vertices { mesh, .. } => mesh.vertex_areas().iter().sum(),
+            Elements::Voxels { grid, .. } => bodies[0].len() as f64 * grid.frame().voxel_volume(),
+            Elements::Vertices { mesh, .. } => {
+                let areas = mesh.vertex_areas();
+                bodies[0].iter().map(|&v| areas[v as usize]).sum()
+            }
         });
         if let Some(voxelization) = voxelization {
             parameters.voxelize.pitch = Pitch::Size(voxelization.grid.frame().spacing()[0]);

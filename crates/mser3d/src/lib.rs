@@ -37,30 +37,38 @@
 //! ```
 #![warn(missing_docs)]
 
+mod bodies;
 mod describe;
 mod detector;
 mod discrete_shape;
 mod error;
 mod estimate;
+mod features;
 mod input;
 mod memory;
 mod parameters;
 mod progress;
 mod regions;
+mod run_report;
+mod solid;
 mod warning;
 mod weight;
+mod weld;
 
+pub use bodies::{Bodies, MIN_BODY_ELEMENTS, MIN_BODY_FRACTION};
 pub use describe::describe;
-pub use detector::{Detector, Features, RunReport, SpectrumSource, StageReport};
+pub use detector::{Detector, SpectrumSource};
 pub use discrete_shape::{DiscreteShape, Elements};
 pub use error::Error;
 pub use estimate::Estimate;
+pub use features::{Body, Features};
 pub use input::Input;
 pub use memory::{available_memory, peak_memory};
 pub use mser3d_shape::Domain;
 pub use parameters::{Descriptor, DescriptorKind, Parameters};
 pub use progress::{NO_PROGRESS, Progress, ProgressFn, Stage};
 pub use regions::{Region, RegionSet, Tree, find_regions};
+pub use run_report::{RunReport, StageReport};
 pub use warning::Warning;
 pub use weight::Weight;
 

@@ -4,7 +4,7 @@ use mser3d_shape::InvalidParameter;
 use mser3d_spectral::SpectrumParameters;
 use mser3d_voxelize::VoxelizeParameters;
 
-use crate::{Error, Weight};
+use crate::{Bodies, Error, Weight};
 
 mser3d_shape::choice! {
     /// The kinds of [`Descriptor`].
@@ -68,6 +68,8 @@ impl Default for Descriptor {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Parameters {
+    /// What to do with a shape of several bodies. Default: the largest is searched.
+    pub bodies: Bodies,
     /// From the mesh to voxels (volumes only). Its connectivity is also the tree's.
     pub voxelize: VoxelizeParameters,
     /// The eigenpairs. Default: 100, or as many as a small shape has.
@@ -94,6 +96,7 @@ pub struct Parameters {
 impl Default for Parameters {
     fn default() -> Self {
         Self {
+            bodies: Bodies::default(),
             voxelize: VoxelizeParameters::default(),
             spectrum: SpectrumParameters::default(),
             weight: Weight::default(),
@@ -114,6 +117,12 @@ impl Parameters {
     /// The first stage's error, or [`Error::InvalidParameter`].
     pub fn validate(&self) -> Result<(), Error> {
         self.voxelize.validate()?;
+        InvalidParameter::unless(
+            self.voxelize.largest_only,
+            "voxelize.largest_only",
+            false,
+            "true here; to search other components too, choose bodies: all or join",
+        )?;
         self.spectrum.validate()?;
         self.stability.validate()?;
         self.pool.validate()?;

@@ -22,7 +22,8 @@ mser3d_shape::choice! {
 pub struct Progress {
     /// The stage under way.
     pub stage: Stage,
-    /// Units of it that are done: eigenpairs, trees.
+    /// Units of it that are done: eigenpairs, trees, regions. Where several bodies are searched each on its own,
+    /// eigenpairs and trees are counted in hundredths of a body's.
     pub done: usize,
     /// Units in all.
     pub total: usize,

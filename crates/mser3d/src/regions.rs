@@ -16,6 +16,8 @@ use crate::{DiscreteShape, Error, Parameters};
 pub struct Region {
     /// The smallest region that contains this one, as a place in the list of regions.
     pub parent: Option<usize>,
+    /// Which of the bodies it is a part of, as a place in [`Features::bodies`](crate::Features::bodies).
+    pub body: usize,
     /// Which of the trees it was found in.
     pub tree: usize,
     /// The weight at which it is complete: for the heat weights length^-3 in a volume, length^-2 on a
@@ -32,7 +34,7 @@ pub struct Region {
     pub merge: Option<Merge>,
     /// Volume in length^3, or area in length^2.
     pub volume: f64,
-    /// Volume over that of the whole shape.
+    /// Volume over that of its body: of the whole shape, unless bodies are searched each on its own.
     pub volume_fraction: f64,
     /// Its voxels or surface vertices, ascending.
     pub elements: Vec<u32>,
@@ -46,6 +48,9 @@ pub struct Region {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Tree {
+    /// The body that it is of, as a place in [`Features::bodies`](crate::Features::bodies). Its vertices are that body's
+    /// elements, numbered as there.
+    pub body: usize,
     /// The time scale of its weight; none for the commute time.
     pub time_scale: Option<TimeScale>,
     /// The time in length^2; none for the commute time.
@@ -68,7 +73,8 @@ pub struct RegionSet {
     pub duplicates: usize,
 }
 
-/// Builds one component tree for each time scale, selects its stable regions, and pools them.
+/// Builds one component tree for each time scale, selects its stable regions, and pools them. The shape is searched as
+/// one body.
 ///
 /// # Errors
 /// [`Error::Tree`], [`Error::Descriptor`] (weights), [`Error::InvalidParameter`], [`Error::Cancelled`].
@@ -105,7 +111,7 @@ pub fn find_regions(
         let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
         *done += 1;
         crate::progress::report(progress, Stage::Regions, *done, scales.len())?;
-        Ok(Tree { time_scale, time, tree, selection })
+        Ok(Tree { body: 0, time_scale, time, tree, selection })
     };
     let trees = scales.par_iter().map(search).collect::<Result<Vec<_>, Error>>()?;
     let selections: Vec<(&ComponentTree, &Selection)> =
@@ -117,11 +123,9 @@ pub fn find_regions(
         .into_iter()
         .map(|region| {
             let stable = &trees[region.tree].selection.regions[region.region];
-            let inside = IndexSet::from_members(shape.len(), region.vertices.iter().copied())?;
-            let vertices =
-                (0u32..).zip(shape.element_of_vertex()).filter(|&(_, &e)| inside.contains(e as usize));
             Ok(Region {
                 parent: region.parent,
+                body: 0,
                 tree: region.tree,
                 altitude: stable.altitude,
                 stability: stable.stability,
@@ -129,13 +133,20 @@ pub fn find_regions(
                 merge: stable.merge,
                 volume: region.volume,
                 volume_fraction: region.volume / measure,
-                vertices: vertices.map(|(v, _)| v).collect(),
+                vertices: vertices_in(shape, &region.vertices)?,
                 centroid: centroid(&region.vertices, shape.positions(), basis.mass()),
                 elements: region.vertices,
             })
         })
         .collect::<Result<_, Error>>()?;
     Ok(RegionSet { regions, trees, duplicates })
+}
+
+/// The mesh's vertices that take their region from these elements, ascending.
+pub(crate) fn vertices_in(shape: &DiscreteShape, elements: &[u32]) -> Result<Vec<u32>, Error> {
+    let inside = IndexSet::from_members(shape.len(), elements.iter().copied())?;
+    let taken = |&(_, element): &(u32, &Option<u32>)| element.is_some_and(|e| inside.contains(e as usize));
+    Ok((0u32..).zip(shape.element_of_vertex()).filter(taken).map(|(vertex, _)| vertex).collect())
 }
 
 fn centroid(elements: &[u32], positions: &[[f64; 3]], mass: &[f64]) -> [f64; 3] {

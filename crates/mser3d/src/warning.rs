@@ -1,19 +1,36 @@
 use std::fmt;
 
+use mser3d_shape::Domain;
+
 /// What the user of a result should know of its input and how it was read.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Warning {
     /// What the voxelizer found.
     Voxelize(mser3d_voxelize::Warning),
-    /// Components of a solid given as voxels were dropped, because another is larger.
+    /// Components were left out, because another is larger or they are too small.
     SmallerComponents {
         /// How many.
         components: usize,
-        /// Voxels in them.
-        voxels: usize,
-        /// The part of all voxels.
+        /// Voxels in them, or vertices of a surface.
+        elements: usize,
+        /// The part of the whole volume or area.
         fraction: f64,
+        /// Those that are bodies, which [`Bodies::All`](crate::Bodies::All) would search: the voxels of each, the
+        /// most first.
+        bodies: Vec<usize>,
+        /// Whether they are voxels or vertices.
+        domain: Domain,
+    },
+    /// Vertices of a surface at equal positions were read as one.
+    MergedVertices {
+        /// How many repeat the position of another.
+        vertices: usize,
+    },
+    /// The shape, or a body of it, falls into parts that heat does not pass between.
+    Apart {
+        /// How many parts, as far as the eigenpairs tell.
+        parts: usize,
     },
     /// The shape is so small that it has fewer eigenpairs than are used by default.
     FewEigenpairs {
@@ -28,10 +45,40 @@ impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Voxelize(warning) => warning.fmt(f),
-            Self::SmallerComponents { components, voxels, fraction } => write!(
+            Self::SmallerComponents { components, elements, fraction, bodies, domain } => {
+                let count = |n: usize, one: &'static str, more: &'static str| {
+                    format!("{n} {}", if n == 1 { one } else { more })
+                };
+                let size = |n: usize| match domain {
+                    Domain::Volume => count(n, "voxel", "voxels"),
+                    Domain::Surface => count(n, "vertex", "vertices"),
+                };
+                let (what, were) = match (*components == bodies.len(), components) {
+                    (true, 1) => ("body", "was"),
+                    (true, _) => ("bodies", "were"),
+                    (false, 1) => ("component", "was"),
+                    (false, _) => ("components", "were"),
+                };
+                let percent = 100.0 * fraction;
+                write!(
+                    f,
+                    "{components} smaller {what} with {} ({percent:.2} %) {were} dropped",
+                    size(*elements)
+                )?;
+                let Some(&largest) = bodies.first() else { return Ok(()) };
+                if *components > 1 {
+                    let among = count(bodies.len(), "body", "bodies");
+                    write!(f, ", among them {among} of up to {}", size(largest))?;
+                }
+                f.write_str("; --bodies all searches each body on its own, --bodies join all together")
+            }
+            Self::MergedVertices { vertices } => {
+                write!(f, "{vertices} vertices repeat the position of another and were read as one with it")
+            }
+            Self::Apart { parts } => write!(
                 f,
-                "{components} smaller components with {voxels} voxels ({:.2} %) were dropped",
-                100.0 * fraction
+                "the shape falls into {parts} parts that heat does not pass between, so that small ones are regions as \
+                 a whole; --bodies largest searches the largest, --bodies all each on its own"
             ),
             Self::FewEigenpairs { wanted, available } => write!(
                 f,

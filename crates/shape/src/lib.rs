@@ -41,7 +41,9 @@ mod nearest;
 mod parameter;
 mod random;
 mod runs;
+mod split;
 pub mod vector;
+mod word_tree;
 
 pub use affine::Affine;
 pub use bits::{BitGrid, Bits};
@@ -54,6 +56,7 @@ pub use graph::{Components, Graph};
 pub use grid::{Connectivity, DIAGONALS, VoxelGrid};
 pub use index_set::{IndexSet, innermost_regions};
 pub use mesh::{BoundingBox, TriangleMesh};
+pub use nearest::NearestVoxels;
 pub use parameter::InvalidParameter;
 pub use random::SplitMix64;
 

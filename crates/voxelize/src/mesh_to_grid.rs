@@ -84,6 +84,7 @@ pub fn voxelize(mesh: &TriangleMesh, parameters: &VoxelizeParameters) -> Result<
         overlap_volume,
         topology,
         warnings: Vec::new(),
+        mesh_euler: analysis.euler_characteristic().filter(|_| surface.shells.len() == 1),
     };
     voxelization.warnings = warnings(&analysis, &surface, &voxelization, inside);
     Ok(voxelization)

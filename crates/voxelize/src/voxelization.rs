@@ -35,6 +35,24 @@ pub struct Voxelization {
     pub topology: GridTopology,
     /// What the user should know, the most important first.
     pub warnings: Vec<Warning>,
+    /// The mesh's Euler characteristic, where the solid's is expected to be half of it.
+    pub(crate) mesh_euler: Option<i64>,
+}
+
+impl Voxelization {
+    /// The same with only some of the components: `grid` is a restriction of this one's. Counts of what was dropped,
+    /// topology and warnings are then those of the smaller solid.
+    pub fn keep(mut self, grid: VoxelGrid, dropped_components: usize) -> Self {
+        let inside = self.grid.len() + self.dropped_voxels;
+        self.dropped_components += dropped_components;
+        self.dropped_voxels = inside - grid.len();
+        self.topology = GridTopology::of(&grid);
+        self.grid = grid;
+        self.warnings.retain(|warning| !is_of_solid(warning));
+        let more = warnings_of_solid(&self, inside);
+        self.warnings.extend(more);
+        self
+    }
 }
 
 /// The fraction of thin voxels that is worth a warning.
@@ -81,6 +99,19 @@ pub(crate) fn warnings(
     if fraction > NOTABLE {
         list.push(Warning::Overlap { fraction });
     }
+    list.extend(warnings_of_solid(result, inside));
+    list
+}
+
+/// Whether a warning is one of [`warnings_of_solid`].
+fn is_of_solid(warning: &Warning) -> bool {
+    use Warning::{Ambiguous, Dropped, Thin, Topology};
+    matches!(warning, Dropped { .. } | Ambiguous { .. } | Topology { .. } | Thin { .. })
+}
+
+/// What there is to say about the voxels that were kept, after all that concerns the mesh.
+fn warnings_of_solid(result: &Voxelization, inside: usize) -> Vec<Warning> {
+    let mut list = Vec::new();
     let fraction = result.dropped_voxels as f64 / inside as f64;
     if fraction > NOTABLE {
         let (components, voxels) = (result.dropped_components, result.dropped_voxels);
@@ -89,16 +120,13 @@ pub(crate) fn warnings(
     if result.ambiguous_voxels > 0 {
         list.push(Warning::Ambiguous { voxels: result.ambiguous_voxels });
     }
-    let mesh = analysis.euler_characteristic();
-    if let Some(mesh) =
-        mesh.filter(|&mesh| surface.shells.len() == 1 && mesh != 2 * result.topology.euler_characteristic)
-    {
+    if let Some(mesh) = result.mesh_euler.filter(|&mesh| mesh != 2 * result.topology.euler_characteristic) {
         list.push(Warning::Topology { solid: result.topology.euler_characteristic, mesh });
     }
     let voxels = thin_voxels(&result.grid);
     let fraction = voxels as f64 / result.grid.len().max(1) as f64;
     if fraction > THIN {
-        let finest = frame.spacing().into_iter().fold(f64::INFINITY, f64::min);
+        let finest = result.grid.frame().spacing().into_iter().fold(f64::INFINITY, f64::min);
         list.push(Warning::Thin { voxels, fraction, advice: finest / 2.0 });
     }
     list

@@ -3,6 +3,8 @@
 #[path = "../../examples/parts_of_a_solid.rs"]
 mod example;
 
+mod bodies;
+
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -12,9 +14,28 @@ use mser3d::shape::{BitGrid, Connectivity, Frame, TriangleMesh, VoxelGrid};
 use mser3d::spectral::EigenpairRange;
 use mser3d::voxelize::Pitch;
 use mser3d::{
-    Detector, DiscreteShape, Domain, Error, Features, Input, Parameters, Stage, Warning, Weight, describe,
-    find_regions,
+    Bodies, Detector, DiscreteShape, Domain, Error, Features, Input, Parameters, Stage, Warning, Weight,
+    describe, find_regions,
 };
+
+/// A mesh of the folder of shared data, if that is there: OFF with triangles, no comments.
+fn shared(name: &str) -> Option<TriangleMesh> {
+    let path = format!("{}/../../../shared/{name}", env!("CARGO_MANIFEST_DIR"));
+    let Ok(text) = std::fs::read_to_string(&path) else {
+        println!("skipped: no {path}");
+        return None;
+    };
+    let mut words = text.split_whitespace().skip(1);
+    let mut next = || words.next().unwrap();
+    let (vertices, triangles): (usize, usize) = (next().parse().unwrap(), next().parse().unwrap());
+    next();
+    let vertices = (0..vertices).map(|_| std::array::from_fn(|_| next().parse().unwrap())).collect();
+    let mut triangle = |_| {
+        assert_eq!(next(), "3");
+        std::array::from_fn(|_| next().parse().unwrap())
+    };
+    Some(TriangleMesh::new(vertices, (0..triangles).map(&mut triangle).collect()).unwrap())
+}
 
 #[test]
 fn the_example_runs() {
@@ -76,7 +97,7 @@ fn stages_one_by_one_are_the_detector() {
     assert_eq!(descriptors.values(), whole.descriptors.values());
     // A shape and a spectrum that are there serve other weights.
     let cached = |_: &DiscreteShape, _: &_, _: mser3d::ProgressFn| {
-        Ok(mser3d::spectral::Spectrum::new(basis.clone(), whole.spectrum))
+        Ok(mser3d::spectral::Spectrum::new(basis.clone(), whole.bodies[0].spectrum))
     };
     let other = Parameters { weight: Weight::Commute, ..parameters };
     let features = Detector::new(other).with_spectra(&cached).detect(Input::Shape(Box::new(shape))).unwrap();
@@ -102,6 +123,7 @@ fn regions_and_descriptors_do_not_depend_on_the_unit() {
 fn the_innermost_region_of_a_vertex_is_the_smallest_that_has_it() {
     for input in [Input::Volume(&club(1.0)), Input::Surface(&club(1.0))] {
         let features = Detector::new(Parameters {
+            bodies: Bodies::Join, // The surface is two boxes.
             spectrum: mser3d::spectral::SpectrumParameters { eigenpairs: 12.into(), ..Default::default() },
             ..parameters()
         })

@@ -1,0 +1,125 @@
+use mser3d_descriptors::Descriptors;
+use mser3d_shape::{Eigenbasis, innermost_regions};
+use mser3d_spectral::SpectrumReport;
+use mser3d_voxelize::Voxelization;
+
+use crate::regions::vertices_in;
+use crate::{DiscreteShape, Error, Parameters, Region, RegionSet, RunReport, Tree, Warning};
+
+/// The stable regions of a shape, their descriptors, and how they were found.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Features {
+    /// The parameters they were found with; the polarity is set.
+    pub parameters: Parameters,
+    /// What heat flowed on: all bodies that were searched.
+    pub shape: DiscreteShape,
+    /// How the mesh was voxelized; none for surfaces and for solids given as voxels.
+    pub voxelization: Option<Voxelization>,
+    /// The bodies that were searched each on its own, by descending measure. Mostly one: the whole shape.
+    pub bodies: Vec<Body>,
+    /// The regions of all bodies, by descending volume. Elements are numbered as in the shape.
+    pub regions: Vec<Region>,
+    /// A descriptor for each region, in the same order.
+    pub descriptors: Descriptors,
+    /// One component tree for each time scale of each body, body by body, and what each filter cut.
+    pub trees: Vec<Tree>,
+    /// Regions dropped because another time scale had them too.
+    pub duplicates: usize,
+    /// What the user should know.
+    pub warnings: Vec<Warning>,
+    /// What the run took.
+    pub run: RunReport,
+}
+
+/// A body that was searched on its own.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Body {
+    /// Its elements, ascending. Its eigenbasis and trees number them by their place here.
+    pub elements: Vec<u32>,
+    /// Its eigenpairs.
+    pub basis: Eigenbasis,
+    /// Their measured quality.
+    pub spectrum: SpectrumReport,
+}
+
+impl Body {
+    /// Its volume in length^3, or area in length^2.
+    pub fn measure(&self) -> f64 {
+        self.basis.measure()
+    }
+
+    /// The place of an element of the shape among the body's; none for those of other bodies.
+    pub fn number_of(&self, element: u32) -> Option<u32> {
+        self.elements.binary_search(&element).ok().map(|place| place as u32)
+    }
+}
+
+impl Features {
+    /// The innermost region of each vertex of the mesh, in file order: the smallest that has it.
+    pub fn region_of_vertex(&self) -> Vec<Option<u32>> {
+        innermost_regions(self.shape.element_of_vertex().len(), self.regions.iter().map(|r| &r.vertices))
+    }
+
+    /// The innermost region of each voxel or surface vertex.
+    pub fn region_of_element(&self) -> Vec<Option<u32>> {
+        innermost_regions(self.shape.len(), self.regions.iter().map(|r| &r.elements))
+    }
+}
+
+/// What was found on one body, its elements numbered by their place in the body.
+pub(crate) struct FoundOnBody {
+    pub set: RegionSet,
+    pub descriptors: Descriptors,
+}
+
+/// The regions of a shape of one body or of several, with what belongs to them.
+pub(crate) struct Found {
+    pub regions: Vec<Region>,
+    pub descriptors: Descriptors,
+    pub trees: Vec<Tree>,
+    pub duplicates: usize,
+}
+
+impl Found {
+    /// What was found on all bodies; elements are numbered as in the shape, regions go by descending volume.
+    pub fn on_all(
+        shape: &DiscreteShape,
+        bodies: &[Vec<u32>],
+        found: Vec<FoundOnBody>,
+    ) -> Result<Self, Error> {
+        let width = found.first().map_or(1, |first| first.descriptors.width());
+        let (mut trees, mut duplicates) = (Vec::new(), 0);
+        let mut rows: Vec<(Region, Vec<f64>)> = Vec::new();
+        for (body, (elements, FoundOnBody { set, descriptors })) in bodies.iter().zip(found).enumerate() {
+            let (first_tree, first_region) = (trees.len(), rows.len());
+            for (mut region, row) in set.regions.into_iter().zip(descriptors.rows()) {
+                region.body = body;
+                region.tree += first_tree;
+                region.parent = region.parent.map(|parent| parent + first_region);
+                if bodies.len() > 1 {
+                    region.elements.iter_mut().for_each(|e| *e = elements[*e as usize]);
+                    region.vertices = vertices_in(shape, &region.elements)?;
+                }
+                rows.push((region, row.to_vec()));
+            }
+            trees.extend(set.trees.into_iter().map(|tree| Tree { body, ..tree }));
+            duplicates += set.duplicates;
+        }
+        let mut order: Vec<usize> = (0..rows.len()).collect();
+        order.sort_by(|&a, &b| rows[b].0.volume.total_cmp(&rows[a].0.volume));
+        let mut place = vec![0; rows.len()];
+        order.iter().enumerate().for_each(|(to, &from)| place[from] = to);
+        let values = order.iter().flat_map(|&from| rows[from].1.iter().copied()).collect();
+        let descriptors = Descriptors::new(width, values)?;
+        let mut regions: Vec<(usize, Region)> = rows
+            .into_iter()
+            .zip(&place)
+            .map(|((region, _), &to)| (to, Region { parent: region.parent.map(|p| place[p]), ..region }))
+            .collect();
+        regions.sort_by_key(|&(to, _)| to);
+        let regions = regions.into_iter().map(|(_, region)| region).collect();
+        Ok(Self { regions, descriptors, trees, duplicates })
+    }
+}

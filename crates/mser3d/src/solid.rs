@@ -1,0 +1,161 @@
+//! From a mesh to the solid that is searched, and back to the mesh's vertices.
+
+use mser3d_shape::{DisjointSets, Domain, NearestVoxels, TriangleMesh, VoxelGrid};
+use mser3d_voxelize::{Voxelization, VoxelizeParameters, voxelize};
+use rayon::prelude::*;
+
+use crate::bodies::{Bodies, Parts};
+use crate::progress::{ProgressFn, Stage, report};
+use crate::weld::weld;
+use crate::{DiscreteShape, Error, Warning};
+
+/// Vertices that a thread places before it asks whether to go on.
+const VERTICES: usize = 1 << 12;
+
+/// A shell of the mesh is part of the solid if one of its vertices lies within so many voxels of a voxel's centre.
+const REACH: f64 = 2.0;
+
+/// The solid inside a mesh, or some bodies of it.
+pub(crate) struct SolidOfMesh {
+    pub shape: DiscreteShape,
+    /// How the mesh was voxelized. Its grid is the shape's.
+    pub voxelization: Voxelization,
+    /// The voxels of each body that is searched on its own.
+    pub bodies: Vec<Vec<u32>>,
+    /// What the voxelizer says, and what was left out.
+    pub warnings: Vec<Warning>,
+}
+
+impl SolidOfMesh {
+    pub fn new(
+        mesh: &TriangleMesh,
+        parameters: &VoxelizeParameters,
+        bodies: Bodies,
+        progress: ProgressFn,
+    ) -> Result<Self, Error> {
+        let connectivity = parameters.connectivity;
+        let whole = voxelize(mesh, &VoxelizeParameters { largest_only: false, ..parameters.clone() })?;
+        report(progress, Stage::Voxelize, 0, 1)?;
+        let parts = Parts::of_grid(&whole.grid, connectivity, bodies)?;
+        let (elements, voxelization) = if parts.keeps_all() {
+            let elements = elements_of_vertices(mesh, &whole.grid, &parts, &whole.grid, progress)?;
+            (elements, whole)
+        } else {
+            let kept = whole.grid.restrict(|voxel| parts.keeps(voxel));
+            let elements = elements_of_vertices(mesh, &whole.grid, &parts, &kept, progress)?;
+            (elements, whole.keep(kept, parts.dropped()))
+        };
+        let warnings = warnings(&voxelization, parts.warning(Domain::Volume));
+        let shape = DiscreteShape::solid_in_mesh(voxelization.grid.clone(), connectivity, elements);
+        Ok(Self { shape, voxelization, bodies: parts.searched(bodies), warnings })
+    }
+}
+
+/// What the voxelizer says, and in place of its word on dropped components our own, which knows bodies.
+fn warnings(voxelization: &Voxelization, mut dropped: Option<Warning>) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    for warning in &voxelization.warnings {
+        match warning {
+            mser3d_voxelize::Warning::Dropped { .. } => warnings.extend(dropped.take()),
+            other => warnings.push(Warning::Voxelize(other.clone())),
+        }
+    }
+    // A few specks are not worth a word, a body is.
+    let has_body = |w: &Warning| matches!(w, Warning::SmallerComponents { bodies, .. } if !bodies.is_empty());
+    warnings.extend(dropped.filter(has_body));
+    warnings
+}
+
+/// Where a vertex belongs.
+#[derive(Clone, Copy)]
+enum Place {
+    /// A voxel that is searched, and whether it is close by.
+    Searched(u32, bool),
+    /// A body that is not searched.
+    OtherBody,
+    /// A few voxels that are not searched, as a thin part leaves behind.
+    Speck,
+}
+
+/// The voxel of each vertex of the mesh, numbered in `searched`, which holds some components of `inside`.
+///
+/// A vertex takes its nearest voxel. If that one belongs to a body that is not searched, so does the vertex, and
+/// it takes none. If it is a speck, the vertex takes the nearest voxel that is searched. But no vertex does whose
+/// shell (the connected part of the mesh that it lies on) stays away from what is searched: where no vertex of the
+/// shell is close to a searched voxel, or more of them belong to other bodies.
+fn elements_of_vertices(
+    mesh: &TriangleMesh,
+    inside: &VoxelGrid,
+    parts: &Parts,
+    searched: &VoxelGrid,
+    progress: ProgressFn,
+) -> Result<Vec<Option<u32>>, Error> {
+    let nearest = inside.nearest();
+    let reach = REACH * inside.frame().spacing().into_iter().fold(0.0, f64::max);
+    let all = parts.keeps_all();
+    let voxels: Vec<[u32; 3]> = if all { Vec::new() } else { inside.voxels().collect() };
+    let place = |&vertex: &[f64; 3]| {
+        let Some((voxel, distance)) = nearest.voxel_within(vertex, f64::INFINITY) else {
+            return Place::Speck;
+        };
+        if all {
+            return Place::Searched(voxel, distance <= reach);
+        }
+        match searched.index(voxels[voxel as usize]) {
+            Some(number) => Place::Searched(number, distance <= reach),
+            None if parts.in_body(voxel) => Place::OtherBody,
+            None => Place::Speck,
+        }
+    };
+    let places = by_chunks(mesh.vertices(), progress, place)?;
+    let (shells, count) = shells(mesh)?;
+    // Vertices of each shell close to what is searched, and of other bodies.
+    let mut votes = vec![[0usize; 2]; count];
+    for (place, &shell) in places.iter().zip(&shells) {
+        match place {
+            Place::Searched(_, close) => votes[shell as usize][0] += usize::from(*close),
+            Place::OtherBody => votes[shell as usize][1] += 1,
+            Place::Speck => {}
+        }
+    }
+    let nearest: NearestVoxels = searched.nearest();
+    let placed: Vec<([f64; 3], (Place, u32))> =
+        mesh.vertices().iter().copied().zip(places.into_iter().zip(shells)).collect();
+    by_chunks(&placed, progress, |&(vertex, (place, shell))| {
+        let [close, away] = votes[shell as usize];
+        if close == 0 || close < away {
+            return None;
+        }
+        match place {
+            Place::Searched(voxel, _) => Some(voxel),
+            Place::OtherBody => None,
+            Place::Speck => nearest.voxel(vertex),
+        }
+    })
+}
+
+/// A value for each item, in parallel, that can be cancelled.
+fn by_chunks<T: Sync, R: Send>(
+    items: &[T],
+    progress: ProgressFn,
+    value: impl Fn(&T) -> R + Sync,
+) -> Result<Vec<R>, Error> {
+    let chunk = |items: &[T]| {
+        report(progress, Stage::Voxelize, 0, 1)?;
+        Ok(items.iter().map(&value).collect::<Vec<R>>())
+    };
+    let chunks = items.par_chunks(VERTICES).map(chunk).collect::<Result<Vec<Vec<R>>, Error>>()?;
+    Ok(chunks.into_iter().flatten().collect())
+}
+
+/// The connected part of the mesh that each vertex lies on, and how many there are. Equal positions are connected.
+fn shells(mesh: &TriangleMesh) -> Result<(Vec<u32>, usize), Error> {
+    let (welded, number) = weld(mesh)?;
+    let mut sets = DisjointSets::new(welded.vertices().len());
+    for &[a, b, c] in welded.triangles() {
+        sets.union(a, b);
+        sets.union(b, c);
+    }
+    let shells = number.iter().map(|&v| sets.find(v)).collect();
+    Ok((shells, welded.vertices().len()))
+}
