@@ -7,7 +7,7 @@ use mser3d::comptree::{AltitudeScale, Polarity, PoolParameters, StabilityParamet
 use mser3d::descriptors::TimeScale;
 use mser3d::shape::Domain;
 use mser3d::spectral::{EigenpairRange, Eigensolver, SpectrumParameters};
-use mser3d::{DescriptorKind, Parameters, Weight, available_memory};
+use mser3d::{Bodies, DescriptorKind, Parameters, Weight, available_memory};
 use mser3d_collection::SpectrumCache;
 use mser3d_meshio::ReadOptions;
 use mser3d_results::{ShapeFile, ShapeOptions};
@@ -47,6 +47,9 @@ pub struct RegionOptions {
     /// poses of a body that of one [default: the shape's own]
     #[arg(long, value_name = "MEASURE", value_parser = positive, help_heading = "Method")]
     pub reference_measure: Option<f64>,
+    /// What to do with a shape of several bodies
+    #[arg(long, value_parser = choice::<Bodies>(), default_value_t = Bodies::default(), help_heading = "Method")]
+    pub bodies: Bodies,
     /// Which way the tree grows [default: the one that finds limbs]
     #[arg(long, value_parser = choice::<Polarity>(), help_heading = "Method")]
     pub polarity: Option<Polarity>,
@@ -122,6 +125,7 @@ impl RegionOptions {
         let defaults = SpectrumParameters::default();
         let free = || available_memory().map(|m| m / 5 * 4);
         let parameters = Parameters {
+            bodies: self.bodies,
             voxelize: self.voxels.parameters()?,
             spectrum: SpectrumParameters {
                 eigenpairs: match (self.eigenpairs, self.lambda_max) {

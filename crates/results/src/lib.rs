@@ -25,10 +25,10 @@
 //! | `voxel_index` | uint32, voxels x 3 | place of each voxel in the grid, x fastest |
 //! | `voxel_region` | int32, voxels | innermost region of each voxel, -1 for none |
 //! | `grid_affine` | float64, 4 x 4 | index to world: a voxel's centre is `grid_affine @ (i, j, k, 1)` |
-//! | `eigenvalues` | float64 | in length^-2 |
+//! | `eigenvalues`, `body1_eigenvalues`, ... | float64 | in length^-2; of the largest body, and of the others that were searched on their own |
 //! | `region_descriptor` | float64, regions x q | rows in the order of `regions.json` |
 //! | `tree0_parent`, `tree0_altitude`, `tree0_volume`, ... | int32, float64, float64, nodes | a component tree, children first; -1 for a root |
-//! | `tree0_entry`, ... | uint32, voxels or vertices | the node in which each enters |
+//! | `tree0_entry`, ... | int32, voxels or vertices | the node in which each enters; -1 for those of other bodies |
 //! | `file_vertex` | uint32, vertices of the file | the mesh's vertex (files that repeat vertices only) |
 //!
 //! ```
@@ -81,7 +81,8 @@ pub use landmarks::write_landmarks;
 pub use mser3d_viewer::{Image, RenderOptions, Up};
 pub use oriented_box::OrientedBox;
 pub use record::{
-    FORMAT, GridRecord, InputRecord, Record, RegionRecord, SpectrumRecord, TreeRecord, VoxelizationRecord,
+    FORMAT, GridRecord, InputRecord, Record, RegionRecord, SearchedBodyRecord, SpectrumRecord, TreeRecord,
+    VoxelizationRecord,
 };
 pub use results::{Results, TreeArrays};
 pub use shape_file::{Contents, ShapeFile, ShapeOptions};

@@ -8,6 +8,7 @@ use mser3d_shape::{BitGrid, Domain, Frame, TriangleMesh, VoxelGrid};
 use serde::Deserialize;
 
 use crate::msv::MSV_RECORD;
+use crate::write::eigenvalues_name;
 use crate::{FORMAT, GridRecord, Record, Results, ResultsError, TreeArrays};
 
 impl Results {
@@ -23,7 +24,8 @@ impl Results {
         let path = folder.join("features.npz");
         let mut arrays = Arrays { arrays: read_npz(&path)?, path };
         let regions = record.regions.len();
-        let eigenvalues = arrays.take("eigenvalues", numbers)?;
+        let eigenvalues = (0..record.bodies.len()).map(|body| arrays.take(&eigenvalues_name(body), numbers));
+        let eigenvalues = eigenvalues.collect::<Result<_, _>>()?;
         let descriptors = arrays.take("region_descriptor", numbers)?;
         let descriptor_width = descriptors.len().checked_div(regions).unwrap_or(0);
         arrays.length("region_descriptor", descriptors.len(), regions * descriptor_width)?;
@@ -218,7 +220,15 @@ impl Arrays {
         let parents = self.take(&name("parent"), integers)?;
         let altitudes = self.take(&name("altitude"), numbers)?;
         let volumes = self.take(&name("volume"), numbers)?;
-        let entry = self.indices(&name("entry"), parents.len())?;
+        let entry = self.take(&name("entry"), integers)?;
+        if let Some(node) = entry.iter().find(|&&node| node >= parents.len() as i64) {
+            return Err(self.broken(format!(
+                "array {} names node {node}, beyond {}",
+                name("entry"),
+                parents.len()
+            )));
+        }
+        let entry: Vec<u32> = entry.into_iter().map(|n| u32::try_from(n).unwrap_or(u32::MAX)).collect();
         self.length(&name("altitude"), altitudes.len(), parents.len())?;
         self.length(&name("volume"), volumes.len(), parents.len())?;
         self.length(&name("entry"), entry.len(), elements)?;

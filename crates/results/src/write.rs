@@ -73,7 +73,9 @@ impl Results {
             arrays.push(("grid_affine".to_owned(), NpyArray::new(&[4, 4], affine)?));
         }
         let shape = [self.record.regions.len(), self.descriptor_width];
-        arrays.push(("eigenvalues".to_owned(), NpyArray::flat(&self.eigenvalues[..])));
+        for (body, eigenvalues) in self.eigenvalues.iter().enumerate() {
+            arrays.push((eigenvalues_name(body), NpyArray::flat(&eigenvalues[..])));
+        }
         arrays.push(("region_descriptor".to_owned(), NpyArray::new(&shape, &self.descriptors[..])?));
         arrays.extend(self.tree_arrays());
         let arrays: Vec<(&str, NpyArray<'_>)> =
@@ -95,15 +97,23 @@ impl Results {
 
     fn tree_arrays(&self) -> impl Iterator<Item = (String, NpyArray<'_>)> {
         self.trees.iter().enumerate().flat_map(|(number, tree)| {
-            // In numpy -1 is handier for a root than 2^32 - 1.
-            let parents: Vec<i32> = tree.parents.iter().map(|&p| p as i32).collect();
+            // In numpy -1 is handier for none than 2^32 - 1.
+            let signed = |numbers: &[u32]| numbers.iter().map(|&n| n as i32).collect::<Vec<_>>();
             [
-                (format!("tree{number}_parent"), NpyArray::flat(parents)),
+                (format!("tree{number}_parent"), NpyArray::flat(signed(&tree.parents))),
                 (format!("tree{number}_altitude"), NpyArray::flat(&tree.altitudes[..])),
                 (format!("tree{number}_volume"), NpyArray::flat(&tree.volumes[..])),
-                (format!("tree{number}_entry"), NpyArray::flat(&tree.entry[..])),
+                (format!("tree{number}_entry"), NpyArray::flat(signed(&tree.entry))),
             ]
         })
+    }
+}
+
+/// The array of a body's eigenvalues.
+pub(crate) fn eigenvalues_name(body: usize) -> String {
+    match body {
+        0 => "eigenvalues".to_owned(),
+        body => format!("body{body}_eigenvalues"),
     }
 }
 

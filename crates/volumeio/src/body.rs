@@ -365,7 +365,7 @@ impl LoadedVolume {
 fn border_share(mask: &BitGrid) -> f64 {
     let dims = mask.dims();
     // A volume that is all body has no background.
-    if dims.iter().any(|&d| d < 3) || mask.count_ones() == dims.iter().product() {
+    if dims.iter().any(|&d| d < 3) || mask.count_ones() == dims.iter().product::<usize>() {
         return 0.0;
     }
     let outer = |v: &[u32; 3]| (0..3).any(|a| v[a] == 0 || v[a] as usize + 1 == dims[a]);

@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::common::*;
 use mser3d::shape::{BitGrid, Frame, TriangleMesh, VoxelGrid};
 use mser3d::voxelize::Pitch;
-use mser3d::{Detector, Domain, Features, Input, Parameters};
+use mser3d::{Bodies, Detector, Domain, Features, Input, Parameters};
 use mser3d_collection::{BatchParameters, PlanParameters, plan, run_batch};
 use mser3d_meshio::{ReadOptions, read_mesh};
 use mser3d_results::{Record, Results, ShapeFile, ShapeOptions};
@@ -106,7 +106,7 @@ fn a_mask_of_64_voxels_has_the_eigenpairs_there_are() {
     let path = folder.path().join("few.npy");
     fs::write(&path, npy([4, 4, 4], |_, _, _| true)).unwrap();
     let features = Detector::default().detect(Input::Solid(&mask([4; 3], |_, _, _| true))).unwrap();
-    assert_eq!(features.basis.eigenvalues().len(), 64);
+    assert_eq!(features.bodies[0].basis.eigenvalues().len(), 64);
     assert!(features.warnings[0].to_string().contains("only 64 eigenpairs"), "{:?}", features.warnings);
     assert_alike(&path, "", &features);
 }
@@ -124,9 +124,9 @@ fn of_two_bodies_in_a_mask_the_larger_is_searched() {
     assert_alike(&path, "", &features);
     // Both, for who wants them.
     let mut both = Parameters::default();
-    both.voxelize.largest_only = false;
+    both.bodies = Bodies::Join;
     let features = Detector::new(both).detect(Input::Solid(&mask([16, 9, 9], inside))).unwrap();
-    assert_eq!((features.shape.len(), features.spectrum.zero_modes), (12 * 9 * 9 + 108, 2));
+    assert_eq!((features.shape.len(), features.bodies[0].spectrum.zero_modes), (12 * 9 * 9 + 108, 2));
 }
 
 #[test]

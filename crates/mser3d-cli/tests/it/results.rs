@@ -307,6 +307,12 @@ fn inspect_tells_what_is_wrong_with_a_mesh() {
     let mask = folder.path().join("mask.npy");
     fs::write(&mask, npy([5, 6, 7], |_, _, z| z > 0)).unwrap();
     let (said, found) = inspect(&mask);
-    assert_eq!((&found["volume"]["body"]["voxels"], &found["estimate"]["elements"]), (&180.into(), &180.into()));
-    assert!(said.contains("5 x 6 x 7 voxels of 1 x 1 x 1") && said.contains("180 voxels in 1 piece"), "{said}");
+    assert_eq!(
+        (&found["volume"]["body"]["voxels"], &found["estimate"]["elements"]),
+        (&180.into(), &180.into())
+    );
+    assert!(
+        said.contains("5 x 6 x 7 voxels of 1 x 1 x 1") && said.contains("180 voxels in 1 piece"),
+        "{said}"
+    );
 }
