@@ -11,7 +11,10 @@ impl SampleType {
             ($type:ty) => {{
                 let mut values: Vec<$type> = Vec::new();
                 for word in words.take(count) {
-                    values.push(word.parse().map_err(|_| {
+                    // Whole numbers may be written as 1e3.
+                    let whole = || word.parse::<f64>().ok().filter(|&x| (x as $type) as f64 == x);
+                    let value = word.parse().ok().or_else(|| whole().map(|x| x as $type));
+                    values.push(value.ok_or_else(|| {
                         Fault::invalid(format!(
                             "the value {word:?} is not a number of type {}",
                             stringify!($type)
