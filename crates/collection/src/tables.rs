@@ -1,5 +1,6 @@
 use std::path::Path;
 
+use mser3d::spectral::EigenpairRange;
 use mser3d_fileio::{NpyValues, read_npz, write_text};
 use mser3d_results::{Record, ResultsError};
 use serde::Serialize;
@@ -41,7 +42,7 @@ pub(crate) const SETTINGS: &str = "mser3d.descriptor_settings";
 /// |---|---|
 /// | `shape`, `region` | name and number: a region's key |
 /// | `parent`, `tree`, `altitude`, `stability`, `volume`, `volume_fraction`, `voxels`, `vertices`, `x`, `y`, `z` | as in `regions.json`; x, y, z is the centroid |
-/// | `descriptor` | a list of numbers |
+/// | `descriptor` | a list of numbers; NaN where a shape is so small that it has fewer eigenpairs than the others |
 ///
 /// # Errors
 /// [`CollectionError::NotACollection`] for a folder without results,
@@ -82,8 +83,16 @@ pub(crate) fn build(folder: &CollectionFolder, skipped: &[SkippedLabel]) -> Resu
             Err(ResultsError::NotAResult { .. }) => continue,
             record => record?,
         };
-        let own = DescriptorSettings::of(&record);
+        records.push((name, record));
+    }
+    // The descriptors of a shape with fewer eigenpairs than the others compare with none of theirs.
+    let all_small = records.iter().all(|(_, record)| has_few_eigenpairs(record));
+    for (name, record) in &records {
+        let result = folder.result(name);
+        let mut values = descriptors(&result, record.regions.len())?;
+        let own = DescriptorSettings::of(record);
         match &settings {
+            _ if has_few_eigenpairs(record) && !all_small => values.fill(f64::NAN),
             None => settings = Some((name.clone(), own)),
             Some((first, settings)) => {
                 if let Some(what) = settings.difference(&own) {
@@ -92,8 +101,7 @@ pub(crate) fn build(folder: &CollectionFolder, skipped: &[SkippedLabel]) -> Resu
                 }
             }
         }
-        rows.push(name.clone(), &record, descriptors(&result, record.regions.len())?);
-        records.push((name, record));
+        rows.push(name.clone(), record, values);
     }
     let tables = Tables { shapes: rows.shape.len(), regions: rows.of_shape.len(), failures: failures.len() };
     if tables.shapes + tables.failures == 0 {
@@ -107,6 +115,14 @@ pub(crate) fn build(folder: &CollectionFolder, skipped: &[SkippedLabel]) -> Resu
     rows.write(root, settings)?;
     label_tables::write(root, &records, &failures, skipped)?;
     Ok(tables)
+}
+
+/// Whether a shape is so small that it has fewer eigenpairs than are used by default.
+fn has_few_eigenpairs(record: &Record) -> bool {
+    match record.parameters.spectrum.eigenpairs {
+        EigenpairRange::AtMost(wanted) => record.bodies.iter().any(|b| b.spectrum.eigenpairs < wanted),
+        _ => false,
+    }
 }
 
 /// The descriptors of a result's regions, row by row.

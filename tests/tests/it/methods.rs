@@ -24,8 +24,9 @@ fn assert_consistent(features: &Features) {
         let parent = (0..sets.len()).rev().find(|&j| j < i && sets[i].is_subset(&sets[j]));
         assert_eq!(region.parent, parent, "of {i}");
         let map = features.shape.element_of_vertex();
-        let expected: Vec<u32> =
-            (0..map.len() as u32).filter(|&v| map[v as usize].is_some_and(|e| sets[i].contains(&e))).collect();
+        let expected: Vec<u32> = (0..map.len() as u32)
+            .filter(|&v| map[v as usize].is_some_and(|e| sets[i].contains(&e)))
+            .collect();
         assert_eq!(region.vertices, expected);
     }
 }
