@@ -1,15 +1,19 @@
-//! Grey-value volumes and voxel masks from files and back: NumPy arrays, NIfTI, NRRD, TIFF stacks.
+//! Grey-value volumes, label maps and masks from files and back: NumPy, NIfTI, NRRD, MetaImage, FreeSurfer, TIFF.
 //!
-//! A [`Volume`] is a box of voxels, x fastest, each with one value or with several channels, and a
+//! A [`Volume`] is a box of voxels, x fastest, each with one value or with several channels, and an
 //! [`Affine`] that says where it lies. [`read_volume`] takes the format from the file's name, and tells what
-//! the file says of it in a [`LoadedVolume`]. [`LoadedVolume::body`] says which voxels are the body, by one rule for all
-//! formats.
+//! the file says of it in a [`LoadedVolume`]: what its channels are, what the axes of its world are, which statement
+//! placed it, what its labels are called, and what was guessed or left out. [`LoadedVolume::body`] says which voxels are the
+//! body, by one rule for all formats.
 //!
 //! | format | read | written |
 //! |---|---|---|
-//! | NumPy `.npy` | `array[x, y]`, `[x, y, z]` or `[x, y, z, channel]`, both memory orders | the same |
-//! | NIfTI `.nii`, `.nii.gz` | versions 1 and 2, both byte orders, scaled values | version 1 |
-//! | NRRD `.nrrd` | raw, gzip and ASCII, in one file | no |
+//! | NumPy `.npy` | `array[x, y]`, `[x, y, z]` or `[x, y, z, channel]`, all numbers, both orders | the same |
+//! | NIfTI `.nii`, `.nii.gz` | versions 1 and 2, both byte orders, scaled values | the same |
+//! | `.hdr` with `.img` | NIfTI pairs and Analyze 7.5 | no |
+//! | NRRD `.nrrd`, `.nhdr` | every encoding, data in the file, beside it or in many | no |
+//! | MetaImage `.mha`, `.mhd` | the same | no |
+//! | FreeSurfer `.mgh`, `.mgz` | all types, frames | no |
 //! | TIFF `.tif`, `.tiff` | a page for each z; uncompressed, LZW, Deflate, PackBits | no |
 //!
 //! ```

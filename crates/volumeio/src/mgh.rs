@@ -1,5 +1,5 @@
 //! FreeSurfer's `.mgh` and `.mgz` (<https://surfer.nmr.mgh.harvard.edu/fswiki/FsTutorial/MghFormat>).
-use crate::bytes::{Fields, open, skip};
+use crate::bytes::{Fields, finish, open, skip};
 use crate::error::Fault;
 use crate::loaded::{LoadedVolume, World};
 use crate::sample_type::SampleType;
@@ -56,7 +56,8 @@ fn parse(mut source: impl Read) -> Result<LoadedVolume, Fault> {
         }
     };
     let count = voxel_count(dims).and_then(|n| n.checked_mul(frames)).unwrap_or(usize::MAX);
-    let values = sample.read(count, true, source)?;
+    let values = sample.read(count, true, &mut source)?;
+    finish(source)?;
     let mut loaded = LoadedVolume::plain(
         Volume::new(dims, frames, affine, interleaved(values, frames))?,
         VolumeFormat::Mgh,

@@ -1,7 +1,7 @@
 //! The values: after the header, in another file or in many.
 use super::header::Header;
 use crate::Samples;
-use crate::bytes::{all_numbered, beside, open_raw, skip};
+use crate::bytes::{all_numbered, beside, finish, open_raw, skip};
 use crate::error::Fault;
 use crate::sample_type::SampleType;
 use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
@@ -115,13 +115,16 @@ impl Coding {
         self.values(count, source)
     }
 
-    fn values(&self, count: usize, mut source: impl BufRead) -> Result<Samples, Fault> {
+    fn values<'a>(&self, count: usize, mut source: impl BufRead + 'a) -> Result<Samples, Fault> {
         if self.packed {
             // zlib's wrapping by the standard; gzip's by hand.
-            return match source.fill_buf()?.starts_with(&[0x1f, 0x8b]) {
-                true => self.sample.read(count, self.big_endian, MultiGzDecoder::new(source)),
-                false => self.sample.read(count, self.big_endian, ZlibDecoder::new(source)),
+            let mut unpacked: Box<dyn Read> = match source.fill_buf()?.starts_with(&[0x1f, 0x8b]) {
+                true => Box::new(MultiGzDecoder::new(source)),
+                false => Box::new(ZlibDecoder::new(source)),
             };
+            let values = self.sample.read(count, self.big_endian, &mut unpacked)?;
+            finish(unpacked)?;
+            return Ok(values);
         }
         if self.text {
             let mut text = String::new();

@@ -9,7 +9,7 @@ mod write;
 
 pub use write::{write_nifti, write_nifti_in};
 
-use crate::bytes::{open, skip};
+use crate::bytes::{finish, open, skip};
 use crate::error::Fault;
 use crate::loaded::{ChannelKind, LoadedVolume, World, WorldAxes};
 use crate::sample_type::SampleType;
@@ -67,7 +67,8 @@ fn volume(header: Header, mut source: impl Read) -> Result<LoadedVolume, Fault> 
     skip(&mut source, header.data_at.saturating_sub(header.length))?;
     let voxels = voxel_count(dims).and_then(|n| n.checked_mul(colours));
     let count = voxels.and_then(|n| n.checked_mul(volumes)).unwrap_or(usize::MAX);
-    let mut values = sample.read(count, header.big_endian, source)?;
+    let mut values = sample.read(count, header.big_endian, &mut source)?;
+    finish(source)?;
     // Analyze has no scaling, but SPM wrote the slope where NIfTI has it.
     let intercept = if header.version == Version::Analyze { 0.0 } else { header.intercept };
     let slope = header.slope;

@@ -1,7 +1,7 @@
 //! The values: in the file itself, in another or in many.
 use super::header::Header;
 use crate::Samples;
-use crate::bytes::{all_numbered, beside, open_raw, skip};
+use crate::bytes::{all_numbered, beside, finish, open_raw, skip};
 use crate::error::Fault;
 use crate::sample_type::SampleType;
 use crate::text_values::unhex;
@@ -148,9 +148,9 @@ impl Coding {
             }
         }
         match self.encoding {
-            Encoding::Raw => self.raw(count, source),
-            Encoding::Gzip => self.raw(count, MultiGzDecoder::new(source)),
-            Encoding::Bzip2 => self.raw(count, MultiBzDecoder::new(source)),
+            Encoding::Raw => self.raw(count, &mut source),
+            Encoding::Gzip => self.packed(count, MultiGzDecoder::new(source)),
+            Encoding::Bzip2 => self.packed(count, MultiBzDecoder::new(source)),
             Encoding::Text => {
                 skip(&mut source, self.bytes)?;
                 let mut text = String::new();
@@ -166,8 +166,14 @@ impl Coding {
         }
     }
 
-    fn raw(&self, count: usize, mut source: impl Read) -> Result<Samples, Fault> {
-        skip(&mut source, self.bytes)?;
+    fn packed(&self, count: usize, mut source: impl Read) -> Result<Samples, Fault> {
+        let values = self.raw(count, &mut source)?;
+        finish(source)?;
+        Ok(values)
+    }
+
+    fn raw(&self, count: usize, source: &mut impl Read) -> Result<Samples, Fault> {
+        skip(source, self.bytes)?;
         self.sample.read(count, self.big_endian, source)
     }
 }

@@ -1,10 +1,13 @@
 //! Whole files: what is written is read again, and what is damaged is an error, not a panic.
 
+use std::io::Write;
 use std::path::Path;
 
 use mser3d_fileio::FileError;
 use mser3d_shape::{BitGrid, ShapeError};
-use mser3d_volumeio::{Affine, Samples, Volume, VolumeIoError, read_volume, write_nifti, write_npy};
+use mser3d_volumeio::{
+    Affine, Samples, Volume, VolumeFormat, VolumeIoError, read_volume, write_nifti, write_npy,
+};
 use proptest::prelude::*;
 
 /// A turned and stretched box whose numbers f32 holds exactly.
@@ -83,6 +86,32 @@ fn what_cannot_be_is_refused() {
     ));
 }
 
+/// A small TIFF: little end first, one strip, entries in the order of their tags.
+fn tiff() -> Vec<u8> {
+    let mut bytes = b"II\x2a\0\x0e\0\0\0\x01\x02\x03\x04\x05\x06".to_vec();
+    let entries = [(256u16, 3u32), (257, 2), (258, 8), (262, 1), (273, 8), (278, 2), (279, 6)];
+    bytes.extend((entries.len() as u16).to_le_bytes());
+    for (tag, value) in entries {
+        bytes.extend([tag.to_le_bytes(), 4u16.to_le_bytes()].concat());
+        bytes.extend([1u32.to_le_bytes(), value.to_le_bytes()].concat());
+    }
+    bytes.extend([0; 4]);
+    bytes
+}
+
+fn mgh() -> Vec<u8> {
+    let mut bytes: Vec<u8> = [1, 2, 1, 2, 1, 0].into_iter().flat_map(i32::to_be_bytes).collect();
+    bytes.resize(284, 0);
+    bytes.extend([1, 2, 3, 4]);
+    bytes
+}
+
+fn packed(bytes: &[u8]) -> Vec<u8> {
+    let mut packer = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+    packer.write_all(bytes).unwrap();
+    packer.finish().unwrap()
+}
+
 /// A whole file of each format.
 fn samples() -> Vec<(&'static str, Vec<u8>)> {
     let folder = tempfile::tempdir().unwrap();
@@ -92,14 +121,55 @@ fn samples() -> Vec<(&'static str, Vec<u8>)> {
         if name.ends_with("npy") { write_npy(&path, &volume) } else { write_nifti(&path, &volume) }.unwrap();
         std::fs::read(path).unwrap()
     };
-    let nrrd =
-        b"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 2\nencoding: raw\n\n12345678";
+    let nrrd = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 2\nencoding: ";
+    let nrrd = |encoding: &str, data: &[u8]| [nrrd.as_bytes(), encoding.as_bytes(), b"\n\n", data].concat();
+    let meta = "NDims = 3\nDimSize = 2 2 2\nElementType = MET_UCHAR\nOffset = 1 2 3\nElementDataFile = LOCAL\n12345678";
     vec![
         ("a.npy", written("a.npy")),
         ("a.nii", written("a.nii")),
-        ("a.nii.gz", written("a.nii.gz")),
-        ("a.nrrd", nrrd.to_vec()),
+        ("b.nii.gz", written("b.nii.gz")),
+        ("a.nrrd", nrrd("raw", b"12345678")),
+        ("b.nrrd", nrrd("gzip", &packed(b"12345678"))),
+        ("c.nrrd", nrrd("hex", b"0102030405060708")),
+        ("a.mha", meta.into()),
+        ("a.mgh", mgh()),
+        ("a.mgz", packed(&mgh())),
+        ("a.tif", tiff()),
     ]
+}
+
+#[test]
+fn a_file_that_is_cut_short_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in samples() {
+        let path = folder.path().join(name);
+        for length in (0..=bytes.len()).rev() {
+            std::fs::write(&path, &bytes[..length]).unwrap();
+            let read = read_volume(&path);
+            assert_eq!(read.is_ok(), length == bytes.len(), "{name}: {length} of {} bytes", bytes.len());
+        }
+    }
+}
+
+#[test]
+fn endings_say_the_format_in_any_case() {
+    for (name, format) in [
+        ("A.NII.GZ", VolumeFormat::Nifti),
+        ("a.hdr", VolumeFormat::Nifti),
+        ("a.img.gz", VolumeFormat::Nifti),
+        ("a.seg.nrrd", VolumeFormat::Nrrd),
+        ("a.nhdr", VolumeFormat::Nrrd),
+        ("a.MHD", VolumeFormat::MetaImage),
+        ("a.mgz", VolumeFormat::Mgh),
+        ("a.ome.tif", VolumeFormat::Tiff),
+    ] {
+        assert_eq!(VolumeFormat::of(Path::new(name)), Some(format), "{name}");
+    }
+    assert_eq!(VolumeFormat::of(Path::new("a.gz")), None);
+    // What users are told is what there is.
+    for ending in VolumeFormat::LIST.split([' ', ',']).filter(|word| word.starts_with('.')) {
+        assert!(VolumeFormat::of(Path::new(&format!("a{ending}"))).is_some(), "{ending}");
+    }
 }
 
 proptest! {

@@ -3,6 +3,7 @@
 mod files;
 #[cfg(feature = "serde")]
 mod records;
+mod shared_cases;
 
 #[path = "../../examples/mask_by_threshold.rs"]
 mod mask_by_threshold;
