@@ -241,7 +241,7 @@ fn faces(solid: &Solid) -> impl Iterator<Item = (u8, Face)> + '_ {
     table.iter().enumerate().filter_map(move |(i, f)| face(f).map(|f| (i as u8, f)))
 }
 
-/// How a cell lies, and whether it has no volume at all.
+/// How a cell lies, and whether it has no volume but rounding.
 fn turn(vertices: &[[f64; 3]], solid: &Solid) -> (Turn, bool) {
     let origin = vertices[solid.corners[0] as usize];
     let at = |v: u32| -> [f64; 3] { std::array::from_fn(|a| vertices[v as usize][a] - origin[a]) };
@@ -271,5 +271,5 @@ fn turn(vertices: &[[f64; 3]], solid: &Solid) -> (Turn, bool) {
     } else {
         Turn::Inwards
     };
-    (turn, volume == 0.0)
+    (turn, volume.abs() <= 1e-14 * size.powi(3))
 }

@@ -96,7 +96,7 @@ impl MeshFormat {
             _ if word.starts_with(b"{") => Some(Self::Gltf),
             _ if crate::off::is_header(word) => Some(Self::Off),
             b"v" | b"vn" | b"vt" | b"mtllib" | b"usemtl" | b"o" | b"g" | b"f" => Some(Self::Obj),
-            b"$MeshFormat" | b"$NOD" => Some(Self::Msh),
+            b"$MeshFormat" | b"$NOD" | b"$Comments" => Some(Self::Msh),
             crate::medit::HEADER => Some(Self::Medit),
             _ if text.starts_with(crate::vtk::legacy::HEADER) => Some(Self::Vtk),
             _ if text.starts_with(b"<") => match crate::vtk::xml::data_set(text)? {

@@ -9,6 +9,9 @@ use crate::text::{Tokens, show};
 /// The word that such a file begins with.
 pub(crate) const HEADER: &[u8] = b"MeshVersionFormatted";
 
+/// More kinds of sections than Medit has.
+const MAX_NAMES: usize = 40;
+
 pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
     let mut tokens = Tokens::new(bytes);
     if tokens.next() != Some(HEADER) {
@@ -53,7 +56,10 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
                 }
                 // What else there is are marks of vertices and edges, tangents, normals and settings.
                 None => {
-                    left_out.push(String::from_utf8_lossy(word).into_owned());
+                    let name = show(word);
+                    if !left_out.contains(&name) && left_out.len() < MAX_NAMES {
+                        left_out.push(name);
+                    }
                     skip(&mut tokens);
                 }
             },
@@ -61,7 +67,8 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
     }
     let vertices = vertices.ok_or_else(|| tokens.fault("the file has no Vertices; export the mesh again"))?;
     if !left_out.is_empty() {
-        cells.notes.push(format!("{} left out", left_out.join(", ")));
+        let more = if left_out.len() == MAX_NAMES { " and perhaps more" } else { "" };
+        cells.notes.push(format!("{}{more} left out", left_out.join(", ")));
     }
     cells.into_mesh(vertices)
 }
@@ -151,7 +158,7 @@ mod tests {
         assert_eq!(parsed.vertices.len(), 5);
         let mesh = mser3d_shape::TriangleMesh::new(parsed.vertices, parsed.triangles).unwrap();
         assert!((mesh.signed_volume() - 1.0 / 6.0).abs() < 1e-15);
-        assert_eq!(parsed.notes[0], "Corners, RequiredVertices left out");
+        assert_eq!(parsed.notes[0], "\"Corners\", \"RequiredVertices\" left out");
     }
 
     #[test]

@@ -15,7 +15,7 @@ mod transform;
 use crate::error::Fault;
 use crate::read::{Parsed, ReadOptions, note};
 use crate::weld::{Weld, collapse};
-use crate::{MeshFormat, MeshIoError};
+use crate::{MeshFormat, MeshIoError, gzip};
 use accessor::{Asset, get};
 pub use animation::AnimationInfo;
 use mser3d_fileio::read_bytes;
@@ -30,6 +30,7 @@ pub fn list_animations(path: &Path) -> Result<Vec<AnimationInfo>, MeshIoError> {
     let bytes = read_bytes(path)?;
     match MeshFormat::of(path, &bytes)? {
         format @ (MeshFormat::Gltf | MeshFormat::Glb) => {
+            let bytes = gzip::unpack(&bytes).map_err(|fault| fault.in_file(path))?;
             animation::list(&open(format, &bytes, path)?).map_err(|fault| broken(fault, path))
         }
         _ => Ok(Vec::new()),
@@ -94,7 +95,8 @@ fn assemble(asset: &Asset, animation: Option<usize>, time: f64) -> Result<Parsed
                 continue;
             };
             for instance in 0..instances.as_ref().map_or(1, Vec::len) {
-                let part = scene.part(node, &shape, instances.as_ref().map(|all| &all[instance]))?;
+                let part =
+                    scene.part(node, &shape, instances.as_ref().map(|all| (instance, &all[instance])))?;
                 let first = weld.map.len();
                 if first + part.keys.len() > u32::MAX as usize {
                     return Err(Fault::new("the scene shows more than 2^32 vertices"));

@@ -115,13 +115,18 @@ impl<'a> Scene<'a> {
     }
 
     /// The shape in the world, as a node or an instance of it shows it.
-    pub(super) fn part(&self, node: usize, shape: &Shape, instance: Option<&Affine>) -> Result<Part, Fault> {
+    pub(super) fn part(
+        &self,
+        node: usize,
+        shape: &Shape,
+        instance: Option<(usize, &Affine)>,
+    ) -> Result<Part, Fault> {
         let Self { asset, rest, posed, .. } = self;
         let Shape { still, moved, influences, .. } = shape;
         let mut triangles = shape.triangles.clone();
         let place = |map: &Affine, points: &[[f64; 3]]| points.iter().map(|&p| map.apply(p)).collect();
         let global = |state: &State| match instance {
-            Some(instance) => state.globals[node].after(instance),
+            Some((_, instance)) => state.globals[node].after(instance),
             None => state.globals[node],
         };
         let (positions, group, keys, orientation) = match asset.root.nodes[node].skin {
@@ -136,9 +141,10 @@ impl<'a> Scene<'a> {
             None => {
                 let map = global(rest);
                 let orientation = map.determinant();
-                // A node hidden by a scale of zero has all its vertices in one place.
+                let number = instance.map_or(0, |i| i.0);
+                // What is hidden by a scale of zero has all its vertices in one place.
                 let (group, keys) = match orientation == 0.0 {
-                    true => (usize::MAX - node, still.clone()),
+                    true => (usize::MAX - node - number * posed.globals.len(), still.clone()),
                     false => (0, place(&map, still)),
                 };
                 (place(&global(posed), moved), group, keys, orientation)

@@ -48,7 +48,11 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
 fn header(bytes: &[u8]) -> Result<(Version, Source<'_>), Fault> {
     let mut source = Source::new(bytes);
     let alien = "a .msh file of Gmsh begins with $MeshFormat; this one doesn't (is it Fluent's?)";
-    let first = source.next_section().map_err(|_| source.fault(alien))?;
+    let mut first = source.next_section().map_err(|_| source.fault(alien))?;
+    while first == Some(b"Comments") {
+        source.end_section(b"Comments")?;
+        first = source.next_section()?;
+    }
     if first == Some(b"NOD") {
         return Err(source.unsupported(
             "version 1 of .msh is not supported; save it again by Gmsh (gmsh -save -format msh41)",
@@ -104,6 +108,15 @@ mod tests {
                 "1 points left out"
             ]
         );
+    }
+
+    #[test]
+    fn comments_may_come_first() {
+        let text = format!(
+            "$Comments\nmade by hand\n$EndComments\n$MeshFormat\n2 0 8\n$EndMeshFormat\n{NODES}\
+             $Elements\n1\n3 4 0 7 1 9 4\n$EndElements\n"
+        );
+        assert_eq!(parse(text.as_bytes()).unwrap().triangles.len(), 4);
     }
 
     #[test]

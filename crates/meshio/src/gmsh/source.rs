@@ -50,10 +50,8 @@ impl<'a> Source<'a> {
     pub(super) fn end_section(&mut self, name: &[u8]) -> Result<(), Fault> {
         let end = [b"$End", name].concat();
         let rest = self.tokens.rest();
-        let truncated = format!(
-            "the section ${} has no end; the file is truncated; copy or export it again",
-            String::from_utf8_lossy(name)
-        );
+        let truncated =
+            format!("the section {} has no end; the file is truncated; copy or export it again", show(name));
         let Some(at) = rest.windows(end.len()).position(|w| w == end) else {
             return Err(self.fault(truncated));
         };

@@ -22,7 +22,10 @@ impl Encoding {
             Some("UInt64") => 8,
             None | Some("UInt32") => 4,
             Some(other) => {
-                return Err(Fault::new(format!("header_type is {other:?}; expected UInt32 or UInt64")));
+                return Err(Fault::new(format!(
+                    "header_type is {}; expected UInt32 or UInt64",
+                    show(other.as_bytes())
+                )));
             }
         };
         let packed = match root.attribute("compressor") {
@@ -30,7 +33,8 @@ impl Encoding {
             Some("vtkZLibDataCompressor") => true,
             Some(other) => {
                 let reason = format!(
-                    "arrays packed by {other} are not supported; save the file with ZLib or without compression"
+                    "arrays packed by {} are not supported; save the file with ZLib or without compression",
+                    show(other.as_bytes())
                 );
                 return Err(Fault::unsupported(None, reason));
             }
@@ -152,7 +156,8 @@ impl<'a> Array<'a> {
             None | Some("ascii") => Place::Text(text),
             Some(other) => {
                 return Err(Fault::new(format!(
-                    "an array's format is {other:?}; expected ascii, binary or appended"
+                    "an array's format is {}; expected ascii, binary or appended",
+                    show(other.as_bytes())
                 )));
             }
         };
@@ -186,15 +191,15 @@ impl<'a> Array<'a> {
         parse: impl Fn(&[u8]) -> Option<T>,
         convert: impl Fn(Number, &[u8], bool) -> Vec<T>,
     ) -> Result<Vec<T>, Fault> {
-        let Self { name, kind, .. } = self;
+        let [name, kind] = [self.name, self.kind].map(|word| show(word.as_bytes()));
         let number = self.number.ok_or_else(|| {
-            Fault::new(format!("array {name:?} is of type {kind:?}, which holds no numbers of VTK"))
+            Fault::new(format!("array {name} is of type {kind}, which holds no numbers of VTK"))
         })?;
         let (bytes, base64) = match self.place {
             Place::Text(text) => {
                 let word = |word| {
                     parse(word).ok_or_else(|| {
-                        Fault::new(format!("array {name:?} holds {}, which is no {kind}", show(word)))
+                        Fault::new(format!("array {name} holds {}, which is not of type {kind}", show(word)))
                     })
                 };
                 return Tokens::without_comments(text).map(word).collect();
@@ -204,14 +209,14 @@ impl<'a> Array<'a> {
                 let at = usize::try_from(offset).ok().and_then(|offset| appended.bytes.get(offset..));
                 let missing = || {
                     Fault::new(format!(
-                        "array {name:?} begins beyond the end of the file; it is truncated; copy or export it again"
+                        "array {name} begins beyond the end of the file; it is truncated; copy or export it again"
                     ))
                 };
                 (at.ok_or_else(missing)?, appended.base64)
             }
         };
         let bytes = unpack(Stream::new(bytes, base64), encoding, number)
-            .map_err(|fault| fault.within(&format!("array {name:?}")))?;
+            .map_err(|fault| fault.within(&format!("array {name}")))?;
         Ok(convert(number, &bytes, encoding.big_endian))
     }
 }
@@ -229,6 +234,9 @@ fn unpack(mut stream: Stream, encoding: Encoding, number: Number) -> Result<Vec<
         return stream.take(length - length % number.size() as u64);
     }
     let blocks = counts(&mut stream, 1)?[0];
+    if blocks == 0 {
+        return Ok(Vec::new());
+    }
     let sizes = counts(&mut stream, 2)?;
     let packed = counts(&mut stream, blocks)?;
     let mut out = Vec::new();
@@ -254,7 +262,7 @@ fn unpack(mut stream: Stream, encoding: Encoding, number: Number) -> Result<Vec<
 pub(super) fn appended<'a>(tag: &Tag, rest: &'a [u8]) -> Option<Appended<'a>> {
     let start = rest.iter().position(|&b| b == b'_')? + 1;
     let bytes = &rest[start..];
-    let base64 = tag.attribute("encoding") == Some("base64");
+    let base64 = tag.attribute("encoding") != Some("raw");
     // Raw bytes may look like a tag; base64 cannot.
     let end = if base64 { find(bytes, b"<").unwrap_or(bytes.len()) } else { bytes.len() };
     Some(Appended { bytes: &bytes[..end], base64 })

@@ -112,22 +112,37 @@ fn span(nodes: &[i64], start: i64, end: i64) -> Result<&[i64], Fault> {
 
 /// Names under which programs store the part that a cell belongs to: physical groups, references, materials.
 fn names_parts(name: &str) -> bool {
-    const NAMES: [&str; 15] = [
+    const NAMES: &[&str] = &[
         "gmsh:physical",
         "medit:ref",
         "cellentityids",
-        "materialids",
+        "cell_tags",
+        "physical",
+        "entity",
+        "domain",
+        "subdomain",
+        "zone",
+        "tissue",
         "material",
+        "materials",
+        "materialid",
+        "materialids",
         "material_id",
-        "regionid",
+        "matid",
+        "mat_id",
         "region",
         "regions",
+        "regionid",
+        "region_id",
         "label",
         "labels",
         "part",
+        "parts",
         "partid",
-        "subdomain",
-        "cell_tags",
+        "part_id",
+        "block",
+        "blockid",
+        "elementblockids",
     ];
     NAMES.iter().any(|n| n.eq_ignore_ascii_case(name))
 }

@@ -1,6 +1,7 @@
 //! Just enough XML for VTK's files: tags with attributes, and the text between.
 
 use crate::error::Fault;
+use crate::text::show;
 
 /// A tag. An empty one (`<a/>`) is opened and closed.
 #[derive(Debug, Default)]
@@ -31,7 +32,10 @@ impl<'a> Tag<'a> {
     /// An attribute that is a number of something; 0 where it is missing.
     pub(super) fn count(&self, name: &str) -> Result<u64, Fault> {
         let Some(value) = self.attribute(name) else { return Ok(0) };
-        value.trim().parse().map_err(|_| Fault::new(format!("{name} is {value:?}, not a whole number >= 0")))
+        value
+            .trim()
+            .parse()
+            .map_err(|_| Fault::new(format!("{name} is {}, not a whole number >= 0", show(value.as_bytes()))))
     }
 }
 

@@ -25,6 +25,10 @@ def vtk_grid():
     grid.SetPoints(points)
     for kind, nodes in [(12, HEXAHEDRON), (5, [0, 1, 5]), (13, WEDGE), (14, PYRAMID), (10, TETRAHEDRON), (3, [0, 1])]:
         grid.InsertNextCell(kind, len(nodes), nodes)
+    words = vtk.vtkStringArray()
+    words.SetName("made by")
+    words.InsertNextValue("make.py")
+    grid.GetFieldData().AddArray(words)
     return grid
 
 

@@ -1,8 +1,8 @@
 //! What is written is read back.
 
 use mser3d_meshio::{
-    ReadOptions, VertexAttributes, VoxelField, VoxelValues, read_mesh, write_glb, write_off, write_ply,
-    write_vti, write_vtp,
+    ReadOptions, VertexAttributes, VoxelField, VoxelValues, list_animations, read_mesh, write_glb, write_off,
+    write_ply, write_vti, write_vtp,
 };
 use mser3d_shape::{BitGrid, Frame, TriangleMesh, VoxelGrid};
 use std::io::Write;
@@ -132,6 +132,7 @@ fn packed_files_are_read_as_what_is_in_them() {
             pack(name, &packed);
             assert_eq!(read_mesh(&path(&packed), &ReadOptions::default()).unwrap(), plain, "{packed}");
         }
+        assert!(list_animations(&path(&format!("{name}.gz"))).unwrap().is_empty());
         std::fs::copy(path(name), path(&format!("{name}.gz"))).unwrap();
         assert_eq!(read_mesh(&path(&format!("{name}.gz")), &ReadOptions::default()).unwrap(), plain);
     }
