@@ -88,7 +88,9 @@ impl Results {
         if self.grid.is_some() {
             self.export(&folder.join("volume.vti"))?;
         }
-        extras.iter().try_for_each(|extra| self.export(&folder.join(extra.file_name())))?;
+        for extra in extras {
+            self.export(&folder.join(extra.file_name()))?;
+        }
         let path = folder.join("regions.json");
         let json = self.record.to_json();
         let json = json.map_err(|error| ResultsError::Io { path: path.clone(), error: error.into() })?;
