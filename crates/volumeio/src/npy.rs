@@ -31,7 +31,8 @@ pub(crate) fn read(mut source: impl Read) -> Result<LoadedVolume, Fault> {
             false => ((x * ny + y) * nz + z) * channels + c,
         }
     };
-    let volume = Volume::new(dims, channels, Affine::default(), values.permuted(place))?;
+    let values = if first_axis_fastest && channels == 1 { values } else { values.permuted(place) };
+    let volume = Volume::new(dims, channels, Affine::default(), values)?;
     Ok(LoadedVolume::plain(volume, VolumeFormat::Npy))
 }
 

@@ -94,12 +94,11 @@ fn main_series(
     let best = (0..series.len()).fold(0, |m, i| if rank(&series[i]) > rank(&series[m]) { i } else { m });
     let main = series.swap_remove(best);
     for other in series {
+        let (left, read) = (other[0].1.describe(), main[0].1.describe());
         notes.push(format!(
-            "{} of {} are left out: the others, {} of {}, are read",
+            "left out: {} of {left}; read: {} of {read}",
             pages_of(other.len()),
-            other[0].1.describe(),
-            main.len(),
-            main[0].1.describe()
+            pages_of(main.len())
         ));
     }
     Ok(main)

@@ -197,10 +197,9 @@ impl Page {
                 }
             }
         }
-        let count = self.width * self.height * self.samples;
         match (self.format, self.bits) {
-            (Format::Float, 16) => Ok(halves(&SampleType::U16.read(count, false, &out[..])?)),
-            _ => self.sample_type().read(count, false, &out[..]),
+            (Format::Float, 16) => Ok(halves(&SampleType::U16.decode(out, false))),
+            _ => Ok(self.sample_type().decode(out, false)),
         }
     }
 

@@ -80,7 +80,7 @@ impl Stack {
             }
         }
         if !axes.iter().any(|&(letter, n)| letter == 'Z' && n > 1) {
-            one_axis_is_z(&mut axes, notes);
+            one_axis_is_z(&mut axes, main[0].1.samples, notes);
         }
         let size =
             |layers: bool| axes.iter().filter(|axis| (axis.0 == 'Z') == layers).map(|axis| axis.1).product();
@@ -126,11 +126,11 @@ fn product(axes: &[(char, usize)]) -> Option<usize> {
     axes.iter().try_fold(1usize, |n, axis| n.checked_mul(axis.1))
 }
 
-/// Stacks are often saved as a series in time, or of very many channels.
-fn one_axis_is_z(axes: &mut Vec<(char, usize)>, notes: &mut Vec<String>) {
+/// Stacks are often saved as a series in time, or of very many channels, or of channels that have colours.
+fn one_axis_is_z(axes: &mut Vec<(char, usize)>, samples: usize, notes: &mut Vec<String>) {
     axes.retain(|axis| axis.1 > 1);
     if let [(letter, n)] = axes[..]
-        && (letter != 'C' || n > MOST_CHANNELS)
+        && (letter != 'C' || n > MOST_CHANNELS || samples > 1)
     {
         match letter {
             'C' => notes.push(format!("{n} channels of one layer were taken as {n} layers")),
