@@ -4,6 +4,7 @@ use super::directory::Source;
 use super::page::Page;
 use crate::Samples;
 use crate::error::Fault;
+use std::collections::HashMap;
 use std::io::{Read, Seek};
 
 /// How the pages of the main series make volumes.
@@ -46,7 +47,9 @@ impl Stack {
                     notes.push(format!("the OME-XML has {} more images, which are left out", ome.others));
                 }
                 if let Some(planes) = &ome.pages {
-                    let in_series = |page: &usize| main.iter().position(|(number, _)| number == page);
+                    let numbers = main.iter().enumerate().map(|(at, (number, _))| (*number, at));
+                    let numbers: HashMap<usize, usize> = numbers.collect();
+                    let in_series = |page: &usize| numbers.get(page).copied();
                     pages = planes.iter().map(in_series).collect::<Option<_>>().ok_or_else(|| {
                         Fault::invalid(
                             "the OME-XML of the file names a page that is not there, or of another size",
