@@ -28,6 +28,7 @@ pub fn convert(from: &Path, to: &Path) -> Result<serde_json::Value, VolumeIoErro
 }
 
 /// Runs the example.
+#[allow(dead_code)] // The tests call what it is made of.
 pub fn main() -> Result<(), Box<dyn Error>> {
     let files: Vec<String> = std::env::args().skip(1).collect();
     let mut failed = 0;

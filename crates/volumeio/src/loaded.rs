@@ -22,7 +22,11 @@ mser3d_shape::choice! {
     pub enum WorldAxes("kind of world axes") {
         /// x runs to the right of the patient, y to the front, z to the head, as in NIfTI
         Ras = "ras",
-        /// The axes that the file counts along: TIFF, NumPy, NRRD and MetaImage without an anatomical space
+        /// x runs along a row, y down the rows and z along the pages, as in TIFF
+        Image = "image",
+        /// x, y and z are the axes of the array, as in NumPy
+        Array = "array",
+        /// The file has axes of its own and does not say which way they run, as NRRD without an anatomical space
         #[default]
         File = "file",
     }
@@ -57,12 +61,14 @@ impl fmt::Display for World {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self.axes {
             WorldAxes::Ras => "x right, y anterior, z superior (RAS+)",
+            WorldAxes::Image => "x along a row, y down the rows, z along the pages",
+            WorldAxes::Array => "x, y and z are the axes of the array",
             WorldAxes::File => "the file's own axes",
         })?;
         match (&self.unit, self.axes) {
             (Some(unit), _) => write!(f, ", in {unit}"),
             (None, WorldAxes::Ras) => f.write_str("; the file names no unit (mm is usual)"),
-            (None, WorldAxes::File) => f.write_str("; the file names no unit"),
+            (None, _) => f.write_str("; the file names no unit"),
         }
     }
 }

@@ -3,6 +3,7 @@
 //! Read here and not by `mser3d-fileio`: volumes come in every type and byte order, features do not.
 use crate::error::Fault;
 use crate::half::halves;
+use crate::loaded::{World, WorldAxes};
 use crate::sample_type::SampleType;
 use crate::volume::voxel_count;
 use crate::{Affine, LoadedVolume, Volume, VolumeFormat, VolumeIoError};
@@ -31,8 +32,10 @@ pub(crate) fn read(mut source: impl Read) -> Result<LoadedVolume, Fault> {
             false => ((x * ny + y) * nz + z) * channels + c,
         }
     };
-    let volume = Volume::new(dims, channels, Affine::default(), values.permuted(place))?;
-    Ok(LoadedVolume::plain(volume, VolumeFormat::Npy))
+    let values = if first_axis_fastest && channels == 1 { values } else { values.permuted(place) };
+    let volume = Volume::new(dims, channels, Affine::default(), values)?;
+    let world = World { axes: WorldAxes::Array, unit: None };
+    Ok(LoadedVolume { world, ..LoadedVolume::plain(volume, VolumeFormat::Npy) })
 }
 
 /// The text that describes the array.

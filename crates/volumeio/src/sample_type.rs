@@ -41,6 +41,11 @@ impl SampleType {
                 "the header promises {wanted} bytes of values, but there are {held}; copy or export the file again"
             )));
         }
+        Ok(self.decode(bytes, big_endian))
+    }
+
+    /// The numbers that bytes stand for.
+    pub fn decode(self, bytes: Vec<u8>, big_endian: bool) -> Samples {
         macro_rules! decode {
             ($type:ty) => {{
                 let (chunks, _) = bytes.as_chunks();
@@ -51,7 +56,7 @@ impl SampleType {
                 Samples::from(numbers.collect::<Vec<$type>>())
             }};
         }
-        Ok(match self {
+        match self {
             Self::U8 => Samples::U8(bytes),
             Self::I8 => decode!(i8),
             Self::U16 => decode!(u16),
@@ -62,6 +67,6 @@ impl SampleType {
             Self::I64 => decode!(i64),
             Self::F32 => decode!(f32),
             Self::F64 => decode!(f64),
-        })
+        }
     }
 }

@@ -57,13 +57,18 @@ impl Header {
             source.read_exact(&mut bytes[LENGTH_1..])?;
         }
         let magic = if two { &bytes[4..7] } else { &bytes[344..347] };
-        let (version, pair) = match magic {
-            b"n+1" => (Version::One, false),
-            b"n+2" => (Version::Two, false),
-            b"ni1" => (Version::One, true),
-            b"ni2" => (Version::Two, true),
-            _ if two => return Err(Fault::invalid("not a NIfTI-2 file: it lacks the letters n+2 or ni2")),
-            _ => (Version::Analyze, true),
+        let (version, pair) = match (two, magic) {
+            (false, b"n+1") => (Version::One, false),
+            (true, b"n+2") => (Version::Two, false),
+            (false, b"ni1") => (Version::One, true),
+            (true, b"ni2") => (Version::Two, true),
+            (true, _) => {
+                return Err(Fault::invalid("not a NIfTI-2 file: it lacks the letters n+2 or ni2"));
+            }
+            (false, b"n+2" | b"ni2") => {
+                return Err(Fault::invalid("not a whole NIfTI-2 file: its header has the length of NIfTI-1"));
+            }
+            (false, _) => (Version::Analyze, true),
         };
         let fields = Fields { bytes: &bytes, big_endian };
         let mut notes = Vec::new();

@@ -166,6 +166,7 @@ fn damaged_files_are_errors() {
     }
     for (at, field, says) in [
         (0, &[9u8, 9][..], "not a NIfTI file"),
+        (344, b"n+2", "length of NIfTI-1"),
         (40, &[9, 0], "9 axes"),
         (42, &[0, 0], "length 0"),
         (42, &[255, 127], "promises"),

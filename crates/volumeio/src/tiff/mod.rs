@@ -5,6 +5,7 @@
 mod codec;
 mod description;
 mod directory;
+mod layout;
 mod ome;
 mod page;
 mod spacing;
@@ -56,7 +57,7 @@ pub(crate) fn read(reader: impl Read + Seek) -> Result<LoadedVolume, Fault> {
     if stack.volumes == 1 && (page.photometric == 2 || page.has_alpha) {
         loaded.channels = if page.samples > 1 { ChannelKind::Colours } else { ChannelKind::One };
     }
-    loaded.world = World { axes: WorldAxes::File, unit };
+    loaded.world = World { axes: WorldAxes::Image, unit };
     loaded.placed_by = placed_by;
     loaded.notes = notes;
     Ok(loaded)
@@ -82,24 +83,29 @@ fn main_series(
     if extras > 0 {
         notes.push(format!("{extras} reduced images or masks are left out"));
     }
+    // Each page is compared with the first of each series.
+    const MOST_SERIES: usize = 100;
     // The series with the most pages; of equally many the one with the largest pages.
     let mut series: Vec<Vec<(usize, Page)>> = Vec::new();
     for (number, page) in pages {
-        match series.iter_mut().find(|series| series[0].1.is_like(&page)) {
-            Some(series) => series.push((number, page)),
-            None => series.push(vec![(number, page)]),
+        match series.iter().position(|series| series[0].1.is_like(&page)) {
+            Some(at) => series[at].push((number, page)),
+            None if series.len() < MOST_SERIES => series.push(vec![(number, page)]),
+            None => {
+                let reason = format!("pages of more than {MOST_SERIES} sizes; export those of one size");
+                return Err(Fault::unsupported(reason));
+            }
         }
     }
     let rank = |s: &Vec<(usize, Page)>| (s.len(), s[0].1.width * s[0].1.height);
     let best = (0..series.len()).fold(0, |m, i| if rank(&series[i]) > rank(&series[m]) { i } else { m });
     let main = series.swap_remove(best);
     for other in series {
+        let (left, read) = (other[0].1.describe(), main[0].1.describe());
         notes.push(format!(
-            "{} of {} are left out: the others, {} of {}, are read",
+            "left out: {} of {left}; read: {} of {read}",
             pages_of(other.len()),
-            other[0].1.describe(),
-            main.len(),
-            main[0].1.describe()
+            pages_of(main.len())
         ));
     }
     Ok(main)

@@ -76,10 +76,10 @@ impl Ome {
 
 /// The page of each plane by the elements `TiffData`.
 fn pages(inside: &[Element], own: Option<&str>, axes: &[(char, usize)]) -> Result<Option<Vec<usize>>, Fault> {
-    let planes = axes.iter().try_fold(1usize, |n, axis| n.checked_mul(axis.1)).filter(|&n| n <= 1 << 24);
+    let planes = axes.iter().try_fold(1usize, |n, axis| n.checked_mul(axis.1)).filter(|&n| n <= 1 << 20);
     let planes = planes.ok_or_else(|| Fault::invalid("the OME-XML of the file promises too many planes"))?;
     let mut of_plane: Vec<Option<usize>> = vec![None; planes];
-    let mut said = false;
+    let (mut said, mut assigned) = (false, 0);
     for (i, data) in inside.iter().enumerate().filter(|(_, e)| e.name == "TiffData") {
         let number = |name: &str| data.attribute(name).and_then(|n| n.trim().parse::<usize>().ok());
         if let Some(uuid) = inside.get(i + 1).filter(|e| e.name == "UUID")
@@ -105,6 +105,10 @@ fn pages(inside: &[Element], own: Option<&str>, axes: &[(char, usize)]) -> Resul
             stride *= size;
         }
         let page = page.unwrap_or(0);
+        assigned += count.min(planes);
+        if assigned > 2 * planes {
+            return Err(Fault::invalid("the OME-XML of the file gives planes several pages each"));
+        }
         for i in 0..count.min(planes) {
             if let Some(plane) = start.checked_add(i).and_then(|plane| of_plane.get_mut(plane)) {
                 *plane = Some(page.saturating_add(i));

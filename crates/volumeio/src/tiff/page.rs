@@ -1,6 +1,7 @@
 //! The values of one page: strips or tiles, unpacked and put together.
 use super::codec::{Codec, undo_differences};
 use super::directory::{Directory, Source};
+use super::layout::{Layout, MOST_PACKED, spread};
 use crate::Samples;
 use crate::error::Fault;
 use crate::half::halves;
@@ -27,21 +28,6 @@ enum Format {
     Unsigned,
     Signed,
     Float,
-}
-
-/// Where the pieces of a page are, and how they are packed.
-#[derive(Clone, Debug, PartialEq)]
-struct Layout {
-    offsets: Vec<u64>,
-    counts: Vec<u64>,
-    /// Pixels of a strip or tile.
-    piece: [usize; 2],
-    /// The numbers of a pixel lie in planes of their own.
-    planar: bool,
-    tiled: bool,
-    codec: Codec,
-    predictor: u64,
-    reversed: bool,
 }
 
 impl Page {
@@ -197,10 +183,9 @@ impl Page {
                 }
             }
         }
-        let count = self.width * self.height * self.samples;
         match (self.format, self.bits) {
-            (Format::Float, 16) => Ok(halves(&SampleType::U16.read(count, false, &out[..])?)),
-            _ => self.sample_type().read(count, false, &out[..]),
+            (Format::Float, 16) => Ok(halves(&SampleType::U16.decode(out, false))),
+            _ => Ok(self.sample_type().decode(out, false)),
         }
     }
 
@@ -273,67 +258,5 @@ impl Page {
             (Format::Float, 4) => SampleType::F32,
             (Format::Float, _) => SampleType::F64,
         }
-    }
-}
-
-/// No way of packing makes more bytes than this of one.
-const MOST_PACKED: u64 = 4096;
-
-/// Numbers of other than 8, 16, 32 or 64 bits, the first in the highest bits, as `unit` bytes each.
-fn spread(row: &[u8], bits: u32, unit: usize, count: usize) -> Vec<u8> {
-    let mut values = Vec::with_capacity(count * unit);
-    let (mut held, mut have) = (0u64, 0);
-    let mut bytes = row.iter();
-    for _ in 0..count {
-        while have < bits {
-            held = held << 8 | u64::from(bytes.next().copied().unwrap_or(0));
-            have += 8;
-        }
-        have -= bits;
-        let value = held >> have & ((1 << bits) - 1);
-        values.extend_from_slice(&value.to_le_bytes()[..unit]);
-    }
-    values
-}
-
-impl Layout {
-    fn of(
-        source: &Source<impl Read + Seek>,
-        directory: &Directory,
-        width: usize,
-        height: usize,
-        samples: usize,
-    ) -> Result<Self, Fault> {
-        let number = |tag: u16, usual: u64| source.number(directory, tag).unwrap_or(usual);
-        let list = |tag: u16| source.numbers(directory, tag);
-        let tiled = list(324).is_some();
-        let (offsets, counts) = if tiled { (list(324), list(325)) } else { (list(273), list(279)) };
-        let offsets = offsets.filter(|all| !all.is_empty());
-        let offsets = offsets.ok_or_else(|| Fault::invalid("a page does not say where its values are"))?;
-        let side = |tag: u16, usual: usize| {
-            let side = usize::try_from(number(tag, usual as u64)).unwrap_or(usize::MAX);
-            if side == 0 { usual } else { side }
-        };
-        let piece = match tiled {
-            true => [side(322, width), side(323, height)].map(|side| side.min(1 << 24)),
-            false => [width, side(278, height).min(height)],
-        };
-        let codec = Codec::of(number(259, 1))?;
-        let counts = match counts {
-            Some(counts) => counts,
-            // A single strip that does not say how long it is goes on to the end.
-            None if offsets.len() == 1 => vec![source.left(offsets[0])],
-            None => return Err(Fault::invalid("a page does not say how long its strips are")),
-        };
-        Ok(Self {
-            offsets,
-            counts,
-            piece,
-            planar: number(284, 1) == 2 && samples > 1,
-            tiled,
-            codec,
-            predictor: number(317, 1),
-            reversed: number(266, 1) == 2,
-        })
     }
 }

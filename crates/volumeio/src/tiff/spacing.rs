@@ -109,8 +109,9 @@ fn by_tags(
 
 fn guessed(x: f64, layers: usize, notes: &mut Vec<String>) -> f64 {
     if layers > 1 {
+        let about = (x * 1e6).round() / 1e6;
         notes.push(format!(
-            "the file does not say how far apart the layers are; {x} was taken, the width of a pixel"
+            "the file does not say how far apart the layers are; {about} was taken, the width of a pixel"
         ));
     }
     x

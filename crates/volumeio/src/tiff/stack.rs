@@ -4,6 +4,7 @@ use super::directory::Source;
 use super::page::Page;
 use crate::Samples;
 use crate::error::Fault;
+use std::collections::HashMap;
 use std::io::{Read, Seek};
 
 /// How the pages of the main series make volumes.
@@ -46,7 +47,9 @@ impl Stack {
                     notes.push(format!("the OME-XML has {} more images, which are left out", ome.others));
                 }
                 if let Some(planes) = &ome.pages {
-                    let in_series = |page: &usize| main.iter().position(|(number, _)| number == page);
+                    let numbers = main.iter().enumerate().map(|(at, (number, _))| (*number, at));
+                    let numbers: HashMap<usize, usize> = numbers.collect();
+                    let in_series = |page: &usize| numbers.get(page).copied();
                     pages = planes.iter().map(in_series).collect::<Option<_>>().ok_or_else(|| {
                         Fault::invalid(
                             "the OME-XML of the file names a page that is not there, or of another size",
@@ -80,7 +83,7 @@ impl Stack {
             }
         }
         if !axes.iter().any(|&(letter, n)| letter == 'Z' && n > 1) {
-            one_axis_is_z(&mut axes, notes);
+            one_axis_is_z(&mut axes, main[0].1.samples, notes);
         }
         let size =
             |layers: bool| axes.iter().filter(|axis| (axis.0 == 'Z') == layers).map(|axis| axis.1).product();
@@ -126,11 +129,11 @@ fn product(axes: &[(char, usize)]) -> Option<usize> {
     axes.iter().try_fold(1usize, |n, axis| n.checked_mul(axis.1))
 }
 
-/// Stacks are often saved as a series in time, or of very many channels.
-fn one_axis_is_z(axes: &mut Vec<(char, usize)>, notes: &mut Vec<String>) {
+/// Stacks are often saved as a series in time, or of very many channels, or of channels that have colours.
+fn one_axis_is_z(axes: &mut Vec<(char, usize)>, samples: usize, notes: &mut Vec<String>) {
     axes.retain(|axis| axis.1 > 1);
     if let [(letter, n)] = axes[..]
-        && (letter != 'C' || n > MOST_CHANNELS)
+        && (letter != 'C' || n > MOST_CHANNELS || samples > 1)
     {
         match letter {
             'C' => notes.push(format!("{n} channels of one layer were taken as {n} layers")),

@@ -121,7 +121,7 @@ fn colours_planes_and_pages_of_other_sizes() {
     let loaded = read_pages(&[small.clone(), page(2, 1, 8, &[1, 2]), page(2, 1, 8, &[3, 4])]);
     assert_eq!(*loaded.volume.samples(), Samples::U8(vec![1, 2, 3, 4]));
     assert!(
-        loaded.notes[0].contains("1 page of 1 x 1 pixels of 1 x 8 bits are left out"),
+        loaded.notes[0].contains("left out: 1 page of 1 x 1 pixels of 1 x 8 bits; read: 2 pages"),
         "{:?}",
         loaded.notes
     );
