@@ -1,12 +1,11 @@
 use mser3d_spectral::{EigenpairRange, Spectrum, SpectrumParameters};
 
+use crate::describe::describe_with;
 use crate::features::{Found, FoundOnBody};
 use crate::input::Prepared;
 use crate::progress::{NO_PROGRESS, Progress, ProgressFn, Stage, report};
 use crate::run_report::Clock;
-use crate::{
-    Body, DiscreteShape, Error, Features, Input, Parameters, RegionSet, Warning, describe, find_regions,
-};
+use crate::{Body, DiscreteShape, Error, Features, Input, Parameters, RegionSet, Warning, find_regions};
 
 /// Where the eigenpairs of a shape come from: [`DiscreteShape::spectrum`], or a cache before it.
 pub type SpectrumSource<'a> =
@@ -108,13 +107,10 @@ impl<'a> Detector<'a> {
         let (regions, trees) = (count(|set| set.regions.len()), count(|set| set.trees.len()));
         tracing::info!(regions, trees, duplicates = count(|set| set.duplicates), seconds, "found regions");
 
-        report(*progress, Stage::Descriptors, 0, regions)?;
         let mut found = Vec::with_capacity(bodies.len());
-        let mut done = 0;
-        for (set, body) in sets.into_iter().zip(&searched) {
-            let descriptors = describe(&body.basis, &set.regions, parameters)?;
-            done += set.regions.len();
-            report(*progress, Stage::Descriptors, done, regions)?;
+        for (number, (set, body)) in sets.into_iter().zip(&searched).enumerate() {
+            let progress = |told| progress(of_bodies(told, number, bodies.len()));
+            let descriptors = describe_with(&body.basis, &set.regions, parameters, &progress)?;
             found.push(FoundOnBody { set, descriptors });
         }
         let Found { regions, descriptors, trees, duplicates } = Found::on_all(&shape, &bodies, found)?;

@@ -1,4 +1,6 @@
-use crate::{Input, Parameters};
+use mser3d_shape::{Domain, TriangleMesh};
+
+use crate::{Descriptor, Input, Parameters};
 
 /// What a run will take, roughly.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,32 +13,141 @@ pub struct Estimate {
     pub eigenpairs: usize,
     /// Peak memory in bytes.
     pub memory_bytes: u64,
-    /// Seconds of work on one core.
+    /// Seconds of work on one core: the sum of those of the stages, and what it takes to begin.
     pub seconds: f64,
+    /// Seconds of work of each stage.
+    pub stages: StageSeconds,
 }
 
-impl Estimate {
-    /// What [`Detector::detect`](crate::Detector::detect) will take on so many voxels or vertices.
+/// Seconds of work on one core, by stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct StageSeconds {
+    /// From the mesh to voxels, and back to its vertices.
+    pub voxelize: f64,
+    /// The eigenpairs.
+    pub spectrum: f64,
+    /// Weights and component trees, for all time scales.
+    pub regions: f64,
+    /// The descriptors.
+    pub descriptors: f64,
+}
+
+impl StageSeconds {
+    fn sum(&self) -> f64 {
+        self.voxelize + self.spectrum + self.regions + self.descriptors
+    }
+}
+
+/// What any run takes before and after its work.
+const BEGIN: f64 = 0.01;
+
+impl Parameters {
+    /// What a run with these parameters will take on an input, from its size alone: a pass over the mesh.
     ///
-    /// The spectrum decides: 9.5 n^(4/3) k^(2/3) stencil updates of 0.4 ns, 0.5 n k^2 ns of orthogonalization, and memory
-    /// for 2.5 k vectors and some. Within a factor of two of what was measured on a processor of 2025, from
-    /// 45 thousand to a million voxels.
-    pub fn new(elements: usize, eigenpairs: usize) -> Self {
-        let (n, k) = (elements as f64, eigenpairs as f64);
-        let updates = 9.5 * n.powf(4.0 / 3.0) * k.powf(2.0 / 3.0);
-        Self {
-            elements,
+    /// The formulas were fitted to the CPU time of a single thread, on a processor of 2025 with two cores and
+    /// AVX-512, the machine not idle: a human body, a cow and a fish, 300 to 400,000 voxels, and surfaces of 800 to
+    /// 14,000 vertices, with 10 to 300 eigenpairs. They are within a factor of 2 there, where the solver does not
+    /// have to begin again (on a small solid with more than 200 eigenpairs it may).
+    pub fn estimate(&self, input: &Input) -> Estimate {
+        let n = input.expected_elements(self);
+        let eigenpairs = self.spectrum.eigenpairs.about(input.domain()).min(n.max(1));
+        let trees = if self.weight.has_time_scale() { self.time_scales.len() } else { 1 };
+        let samples = match &self.descriptor {
+            Descriptor::SizedSiHks(own) | Descriptor::SiHks(own) => own.samples(),
+            Descriptor::Hks(own) => own.times.len(),
+        };
+        let (elements, k) = (n as f64, eigenpairs as f64);
+        let in_box = box_voxels(input, elements);
+        let spectrum = match input.domain() {
+            Domain::Volume => volume_spectrum(elements, k),
+            Domain::Surface => surface_spectrum(elements, k),
+        };
+        let stages = StageSeconds {
+            voxelize: match input {
+                Input::Volume(mesh) => voxelize_seconds(mesh, elements, in_box) + vertex_seconds(mesh),
+                Input::Surface(_) | Input::Solid(_) | Input::Shape(_) => 0.0,
+            },
+            spectrum: spectrum.seconds,
+            regions: trees as f64 * elements * (160e-9 + 0.4e-9 * k),
+            descriptors: elements * samples as f64 * (1.8e-9 + 0.035e-9 * k),
+        };
+        let memory = 8.0 * spectrum.numbers + 200.0 * elements + 2.0 * in_box;
+        Estimate {
+            elements: n,
             eigenpairs,
-            memory_bytes: (n * (8.0 * (2.6 * k + 60.0) + 200.0)) as u64,
-            seconds: 0.2 + 0.4e-9 * updates + 0.5e-9 * n * k * k,
+            memory_bytes: memory as u64,
+            seconds: BEGIN + stages.sum(),
+            stages,
         }
     }
 }
 
-impl Parameters {
-    /// What a run with these parameters will take on an input; nothing is computed.
-    pub fn estimate(&self, input: &Input) -> Estimate {
-        let elements = input.expected_elements(self.voxelize.pitch);
-        Estimate::new(elements, self.spectrum.eigenpairs.about(input.domain()))
+/// What the spectrum takes.
+struct Work {
+    seconds: f64,
+    /// Numbers in memory at its peak.
+    numbers: f64,
+}
+
+/// Orthogonalization of Krylov bases, which are larger than the wanted eigenpairs by a few blocks.
+fn orthogonalization(n: f64, k: f64) -> f64 {
+    2.4e-9 * n * k.powf(1.7)
+}
+
+/// All eigenpairs by a dense solver, where an iteration's basis would be as large: up to 400 rows, or 2.5 k + 80.
+fn dense(n: f64, k: f64) -> Option<Work> {
+    (n <= 400.0 || n < 2.5 * k + 80.0).then(|| Work { seconds: 1.5e-9 * n.powi(3), numbers: 3.0 * n * n })
+}
+
+/// Shift-invert on small grids, the polynomial filter on those with 96 times more voxels than eigenpairs.
+fn volume_spectrum(n: f64, k: f64) -> Work {
+    if let Some(work) = dense(n, k) {
+        return work;
+    }
+    if n < 96.0 * k.max(16.0) {
+        // Solves with a factor of some 20 n^(4/3) numbers; the projected matrices.
+        let seconds = 13e-9 * n.powf(4.0 / 3.0) * k + orthogonalization(n, k) + 6.5e-9 * k.powi(3);
+        return Work { seconds, numbers: n * (5.5 * k + 140.0) + 20.0 * n.powf(4.0 / 3.0) };
+    }
+    let block = k + 30.0;
+    let updates = 9.5 * n.powf(4.0 / 3.0) * block.powf(2.0 / 3.0);
+    Work { seconds: 0.5e-9 * updates + orthogonalization(n, block), numbers: n * (2.6 * k + 60.0) }
+}
+
+/// Shift-invert: factors of surfaces have some 30 n log2(n) numbers.
+fn surface_spectrum(n: f64, k: f64) -> Work {
+    dense(n, k).unwrap_or_else(|| Work {
+        seconds: 5e-6 * n + 7.4e-9 * n * n.log2() * k + orthogonalization(n, k) + 6.5e-9 * k.powi(3),
+        numbers: n * (5.5 * k + 140.0) + 30.0 * n * n.log2(),
+    })
+}
+
+/// Sweeps over triangles and voxels of a closed mesh. Open meshes take longer, by their winding numbers.
+fn voxelize_seconds(mesh: &TriangleMesh, voxels: f64, in_box: f64) -> f64 {
+    0.25e-6 * mesh.triangles().len() as f64 + 0.1e-6 * voxels + 4e-9 * in_box
+}
+
+/// The nearest voxel of each vertex.
+fn vertex_seconds(mesh: &TriangleMesh) -> f64 {
+    0.4e-6 * mesh.vertices().len() as f64
+}
+
+/// Voxels of the box around a solid; 0 for a surface.
+fn box_voxels(input: &Input, voxels: f64) -> f64 {
+    match input {
+        Input::Solid(grid) => grid.frame().dims().iter().map(|&d| d as f64).product(),
+        Input::Volume(mesh) => {
+            let volume = mesh.signed_volume().abs();
+            let extent = mesh.bounding_box().map_or([0.0; 3], |b| b.extent());
+            let filled = volume / extent.into_iter().product::<f64>();
+            // A mesh that encloses nothing is refused, so how large its box would be matters little.
+            if filled > 0.0 { (voxels / filled).min(MOST_BOX_VOXELS) } else { voxels }
+        }
+        Input::Surface(_) | Input::Shape(_) => 0.0,
     }
 }
+
+/// Larger boxes are refused by default.
+const MOST_BOX_VOXELS: f64 = 4.3e9;

@@ -3,6 +3,7 @@ use mser3d_voxelize::{Pitch, Voxelization};
 
 use crate::bodies::Parts;
 use crate::progress::{NO_PROGRESS, ProgressFn};
+use crate::shells::largest_share;
 use crate::solid::SolidOfMesh;
 use crate::{Bodies, DiscreteShape, Elements, Error, Parameters, Warning};
 
@@ -40,18 +41,24 @@ impl Input<'_> {
         }
     }
 
-    /// About how many elements the shape will have: voxels as the pitch says, or the vertices.
-    pub fn expected_elements(&self, pitch: Pitch) -> usize {
+    /// About how many elements the shape will have: voxels as the pitch says, or vertices; of the bodies that will be
+    /// searched. Bodies whose boxes meet are taken for one.
+    pub fn expected_elements(&self, parameters: &Parameters) -> usize {
+        let (bodies, pitch) = (parameters.bodies, parameters.voxelize.pitch);
         let mesh = match self {
             Self::Solid(grid) => return grid.len(),
             Self::Shape(shape) => return shape.len(),
-            Self::Surface(mesh) => return mesh.vertices().len(),
+            Self::Surface(mesh) => {
+                let prepared = DiscreteShape::surface(mesh).and_then(|s| Prepared::some_bodies(s, bodies));
+                return prepared.map_or(mesh.vertices().len(), |p| p.shape.len());
+            }
             Self::Volume(mesh) => mesh,
         };
         let volume = mesh.signed_volume().abs();
-        let voxels = |pitch: f64| (volume / pitch.powi(3)).min(1e12) as usize;
+        let share = if bodies == Bodies::Largest { largest_share(mesh) } else { 1.0 };
+        let voxels = |pitch: f64| (share * volume / pitch.powi(3)).min(1e12) as usize;
         match pitch {
-            Pitch::Voxels(n) => n,
+            Pitch::Voxels(n) => (share * n as f64) as usize,
             Pitch::Size(pitch) => voxels(pitch),
             Pitch::Spacing(lengths) => voxels(lengths.into_iter().product::<f64>().cbrt()),
             Pitch::Resolution(n) => {

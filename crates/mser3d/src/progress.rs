@@ -22,8 +22,8 @@ mser3d_shape::choice! {
 pub struct Progress {
     /// The stage under way.
     pub stage: Stage,
-    /// Units of it that are done: eigenpairs, trees, regions. Where several bodies are searched each on its own,
-    /// eigenpairs and trees are counted in hundredths of a body's.
+    /// Units of it that are done: eigenpairs, trees, regions. Where several bodies are searched each on its own, a
+    /// hundredth of a body's.
     pub done: usize,
     /// Units in all.
     pub total: usize,

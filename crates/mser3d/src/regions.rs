@@ -95,22 +95,27 @@ pub fn find_regions(
     let unit_time = reference.powf(2.0 / f64::from(basis.domain().dimension()));
     let polarity = parameters.polarity();
     let done = Mutex::new(0);
-    report(progress, Stage::Regions, 0, scales.len())?;
+    // Locked while it is told, so that progress only rises.
+    let told = |more: usize| {
+        let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
+        *done += more;
+        report(progress, Stage::Regions, *done, scales.len())
+    };
+    told(0)?;
     let search = |&time_scale: &Option<TimeScale>| {
         let time = time_scale.map(|scale| scale.with_unit(unit_time)).transpose()?;
         let start = Instant::now();
         let values = WeightValues::new(shape, basis, parameters.weight, time.unwrap_or_default())?;
         let weighed = start.elapsed();
+        told(0)?;
         let tree = values.tree(shape, basis.mass(), polarity)?;
+        told(0)?;
         let selection = stable_regions(&tree, &parameters.stability)?;
         let searched = start.elapsed() - weighed;
         let report = &selection.report;
         let (nodes, candidates, kept) = (report.nodes, report.candidates, report.kept);
         tracing::debug!(time, nodes, candidates, kept, ?weighed, ?searched, "component tree");
-        // Locked while it is told, so that progress only rises.
-        let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
-        *done += 1;
-        crate::progress::report(progress, Stage::Regions, *done, scales.len())?;
+        told(1)?;
         Ok(Tree { body: 0, time_scale, time, tree, selection })
     };
     let trees = scales.par_iter().map(search).collect::<Result<Vec<_>, Error>>()?;

@@ -1,12 +1,12 @@
 //! From a mesh to the solid that is searched, and back to the mesh's vertices.
 
-use mser3d_shape::{DisjointSets, Domain, NearestVoxels, TriangleMesh, VoxelGrid};
+use mser3d_shape::{Domain, NearestVoxels, TriangleMesh, VoxelGrid};
 use mser3d_voxelize::{Voxelization, VoxelizeParameters, voxelize};
 use rayon::prelude::*;
 
 use crate::bodies::{Bodies, Parts};
 use crate::progress::{ProgressFn, Stage, report};
-use crate::weld::weld;
+use crate::shells::shells;
 use crate::{DiscreteShape, Error, Warning};
 
 /// Vertices that a thread places before it asks whether to go on.
@@ -146,16 +146,4 @@ fn by_chunks<T: Sync, R: Send>(
     };
     let chunks = items.par_chunks(VERTICES).map(chunk).collect::<Result<Vec<Vec<R>>, Error>>()?;
     Ok(chunks.into_iter().flatten().collect())
-}
-
-/// The connected part of the mesh that each vertex lies on, and how many there are. Equal positions are connected.
-fn shells(mesh: &TriangleMesh) -> Result<(Vec<u32>, usize), Error> {
-    let (welded, number) = weld(mesh)?;
-    let mut sets = DisjointSets::new(welded.vertices().len());
-    for &[a, b, c] in welded.triangles() {
-        sets.union(a, b);
-        sets.union(b, c);
-    }
-    let shells = number.iter().map(|&v| sets.find(v)).collect();
-    Ok((shells, welded.vertices().len()))
 }

@@ -331,3 +331,25 @@ fn bodies_far_apart_cost_no_more_than_bodies_close_by() {
     assert!(elements[..642].iter().all(Option::is_some) && elements[642..].iter().all(Option::is_none));
     assert!(features.run.stages[0].seconds < 5.0, "{:?}", features.run.stages);
 }
+
+#[test]
+fn an_estimate_counts_what_will_be_searched() {
+    let elements = |bodies, input: Input| with(bodies).estimate(&input).elements;
+    let (apart, overlapping) = (two_clubs(1.0), two_clubs(-9.0));
+    let share = 3000.0 * 8.0 / 9.0;
+    assert!((elements(Bodies::Largest, Input::Volume(&apart)) as f64 - share).abs() < 2.0);
+    for (bodies, mesh) in [
+        (Bodies::All, &apart),
+        (Bodies::Join, &apart),
+        (Bodies::Largest, &overlapping),
+        (Bodies::Largest, &club(1.0)),
+    ] {
+        assert_eq!(elements(bodies, Input::Volume(mesh)), 3000, "{bodies}");
+    }
+    let whole = vase(12, 60);
+    assert_eq!(elements(Bodies::Largest, Input::Surface(&soup(&whole))), whole.vertices().len());
+    let estimate = with(Bodies::Largest).estimate(&Input::Volume(&apart));
+    let stages = estimate.stages;
+    let sum = stages.voxelize + stages.spectrum + stages.regions + stages.descriptors;
+    assert!(stages.voxelize > 0.0 && estimate.seconds > sum && estimate.seconds < sum + 0.1);
+}
