@@ -120,7 +120,7 @@ fn of_two_bodies_in_a_mask_the_larger_is_searched() {
     let features = Detector::default().detect(Input::Solid(&mask([16, 9, 9], inside))).unwrap();
     assert_eq!(features.shape.len(), 12 * 9 * 9);
     let said = features.warnings[0].to_string();
-    assert!(said.contains("1 smaller components with 108 voxels (10.00 %) were dropped"), "{said}");
+    assert!(said.contains("1 smaller body with 108 voxels (10.00 %) was dropped"), "{said}");
     assert_alike(&path, "", &features);
     // Both, for who wants them.
     let mut both = Parameters::default();

@@ -191,7 +191,7 @@ fn a_mask_is_a_solid_without_vertices() {
     fs::write(&path, npy([30, 12, 12], inside)).unwrap();
     let out = folder.path().join("out");
     let report = regions(&path, &out, "--pitch 0.5 --eigenpairs 40 --quiet");
-    assert!(report["warnings"][0].as_str().unwrap().contains("1 smaller components with 12 voxels"));
+    assert!(report["warnings"][0].as_str().unwrap().contains("1 smaller component with 12 voxels"));
     let handle =
         |r: &&Value| r["centroid"][0].as_f64().unwrap() > 8.0 && r["volume_fraction"].as_f64() < Some(0.2);
     assert!(list(&report, "regions").iter().find(handle).is_some());

@@ -174,8 +174,8 @@ fn each_label_of_a_label_map_is_a_shape() {
     let value = |[x, y, z]: [usize; 3]| match y {
         0..20 => 3 * i16::from(label([x, y, z])),
         20..40 => 7 * i16::from(label([x, y - 20, z])),
-        41.. if (x, z) == (30, 3) => 9,
-        42.. if x < 4 && z < 4 => 7,
+        _ if y > 40 && (x, z) == (30, 3) => 9,
+        _ if y > 41 && x < 4 && z < 4 => 7,
         _ => 0,
     };
     let values: Vec<i16> = (0..dims.iter().product()).map(|i| value(at(i))).collect();
@@ -185,7 +185,7 @@ fn each_label_of_a_label_map_is_a_shape() {
     fs::write(path("names.csv"), "label,name\n3,\"liver, left\"\n7,spleen\n9,speck\n").unwrap();
 
     let choose = detect(&path("seg.nii.gz"), &path("no"), "");
-    assert_fails(&choose, 2, &["several labels", "3 (3104 voxels)", "--label"]);
+    assert_fails(&choose, 2, &["several labels", "3 (2384 voxels)", "--label"]);
     let names = path("names.csv");
     let options = format!("--label all --labels {} --eigenpairs 30 --write nifti,landmarks", names.display());
     let output = detect(&path("seg.nii.gz"), &path("out"), &options);
@@ -320,7 +320,7 @@ fn volumes_of_other_programs_lie_where_they_should() {
         ("tiff_1bit/bool.tif", &[], 2392, middle),
         ("tiff_1bit/pil1.tif", &[], 2392, middle),
         ("tiff_inverted_lut/miniswhite.tif", &[], 2392, middle),
-        ("mask_labels_4d/4d2.nii", &["--volume", "1"], 2392, middle),
+        ("mask_labels_4d/4d2.nii", &["--volume", "1"], 2392, [29.0 - middle[0], middle[1], middle[2]]),
         (
             "mask_labels_4d/two.seg.nrrd",
             &["--label", "1", "--volume", "0"],
