@@ -14,7 +14,7 @@
 //! | NRRD `.nrrd`, `.nhdr` | every encoding, data in the file, beside it or in many | no |
 //! | MetaImage `.mha`, `.mhd` | the same | no |
 //! | FreeSurfer `.mgh`, `.mgz` | all types, frames | no |
-//! | TIFF `.tif`, `.tiff` | a page for each z; uncompressed, LZW, Deflate, PackBits | no |
+//! | TIFF `.tif`, `.tiff` | a page for each z; uncompressed, LZW, Deflate, PackBits, fax | no |
 //!
 //! ```
 //! use mser3d_volumeio::{Affine, Samples, Volume, read_volume, write_nifti};

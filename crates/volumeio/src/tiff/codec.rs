@@ -11,16 +11,21 @@ pub(super) enum Codec {
     Lzw,
     Deflate,
     PackBits,
+    /// Of fax machines, of this group.
+    Fax(u8),
 }
 
 impl Codec {
-    pub fn of(number: u64) -> Result<Self, Fault> {
+    /// The way of this number; `t4` are the options of group 3.
+    pub fn of(number: u64, t4: u64) -> Result<Self, Fault> {
         let name = match number {
             1 => return Ok(Self::None),
             5 => return Ok(Self::Lzw),
             8 | 32946 => return Ok(Self::Deflate),
             32773 => return Ok(Self::PackBits),
-            2..=4 => "fax (CCITT)",
+            3 if t4 & 1 == 0 => return Ok(Self::Fax(3)),
+            4 => return Ok(Self::Fax(4)),
+            2 | 3 => "fax of group 3 in two dimensions or without ends of lines",
             6 | 7 => "JPEG",
             34712 => "JPEG 2000",
             34925 => "LZMA",
@@ -34,8 +39,19 @@ impl Codec {
         )))
     }
 
+    /// More bytes than this, in rows of `row` bytes, cannot be packed in `packed` bytes.
+    pub fn most(self, packed: u64, row: u64) -> u64 {
+        match self {
+            // A white row has one bit.
+            Self::Fax(_) => packed.saturating_mul(8).saturating_add(64).saturating_mul(row.min(1 << 20)),
+            // Deflate makes a thousand bytes of one, LZW less than three thousand.
+            _ => packed.saturating_add(4096).saturating_mul(4096),
+        }
+    }
+
     /// What is packed, but no more than `most` bytes.
-    pub fn unpack(self, packed: Vec<u8>, most: usize) -> Result<Vec<u8>, Fault> {
+    /// Only fax needs to know how many pixels and rows there are.
+    pub fn unpack(self, packed: Vec<u8>, most: usize, size: [usize; 2]) -> Result<Vec<u8>, Fault> {
         match self {
             Self::None => Ok(packed),
             Self::Deflate => {
@@ -45,6 +61,7 @@ impl Codec {
             }
             Self::Lzw => lzw(&packed, most),
             Self::PackBits => Ok(pack_bits(&packed, most)),
+            Self::Fax(group) => super::fax::unpack(group, &packed, size),
         }
     }
 }

@@ -4,9 +4,6 @@ use super::directory::{Directory, Source};
 use crate::error::Fault;
 use std::io::{Read, Seek};
 
-/// No way of packing makes more bytes than this of one.
-pub(super) const MOST_PACKED: u64 = 4096;
-
 /// Where the pieces of a page are, and how they are packed.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Layout {
@@ -61,7 +58,7 @@ impl Layout {
             true => [side(322, width), side(323, height)].map(|side| side.min(1 << 24)),
             false => [width, side(278, height).min(height)],
         };
-        let codec = Codec::of(number(259, 1))?;
+        let codec = Codec::of(number(259, 1), number(292, 0))?;
         let counts = match counts {
             Some(counts) => counts,
             // A single strip that does not say how long it is goes on to the end.

@@ -5,6 +5,7 @@
 mod codec;
 mod description;
 mod directory;
+mod fax;
 mod layout;
 mod ome;
 mod page;

@@ -1,7 +1,7 @@
 //! The values of one page: strips or tiles, unpacked and put together.
 use super::codec::{Codec, undo_differences};
 use super::directory::{Directory, Source};
-use super::layout::{Layout, MOST_PACKED, spread};
+use super::layout::{Layout, spread};
 use crate::Samples;
 use crate::error::Fault;
 use crate::half::halves;
@@ -70,6 +70,10 @@ impl Page {
                 "numbers of {bits} bits ({format:?}); export 8, 16 or 32 bits"
             )));
         }
+        let layout = Layout::of(source, directory, width, height, samples)?;
+        if matches!(layout.codec, Codec::Fax(_)) && (bits, samples) != (1, 1) {
+            return Err(Fault::invalid("packed as fax, but its pixels are not of one bit"));
+        }
         let extra = list(338).unwrap_or_default();
         let photometric = number(262, 1);
         if matches!(photometric, 6 | 32844 | 32845) {
@@ -83,7 +87,7 @@ impl Page {
             format,
             photometric,
             has_alpha: matches!(extra.first(), Some(1 | 2)),
-            layout: Layout::of(source, directory, width, height, samples)?,
+            layout,
         })
     }
 
@@ -152,7 +156,8 @@ impl Page {
         let total = (self.width as u64)
             .saturating_mul(self.height as u64)
             .saturating_mul((self.samples * unit) as u64);
-        if total / MOST_PACKED > stored.saturating_add(MOST_PACKED) {
+        let line = (self.width as u64).saturating_mul((self.samples * unit) as u64);
+        if total > self.layout.codec.most(stored, line) {
             return Err(Fault::invalid(format!(
                 "a page promises {total} bytes of values, but there are {stored}; copy or export the file again"
             )));
@@ -207,14 +212,14 @@ impl Page {
             ))
         };
         let count = counts[number];
-        if wanted as u64 / MOST_PACKED > count + MOST_PACKED {
+        if wanted as u64 > codec.most(count, row as u64) {
             return Err(short(count as usize));
         }
         let mut packed = source.at(offsets[number], count)?;
         if *reversed {
             packed.iter_mut().for_each(|byte| *byte = byte.reverse_bits());
         }
-        let mut bytes = codec.unpack(packed, wanted)?;
+        let mut bytes = codec.unpack(packed, wanted, [across, down])?;
         if bytes.len() < wanted {
             return Err(short(bytes.len()));
         }

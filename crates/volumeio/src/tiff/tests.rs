@@ -96,6 +96,29 @@ fn bits_are_numbers_and_rows_begin_with_a_byte() {
 }
 
 #[test]
+fn fax_is_read_in_both_groups() {
+    let bytes = |bits: &str| -> Vec<u8> {
+        let bits: Vec<u8> = bits.bytes().filter(u8::is_ascii_digit).map(|c| c - b'0').collect();
+        bits.chunks(8).map(|byte| (0..8).fold(0, |sum, i| sum << 1 | byte.get(i).unwrap_or(&0))).collect()
+    };
+    // Three rows of four pixels: white; white, black, white, white; the same again.
+    // Group 4: as above | horizontal: white 1, black 1, then as above | as above, three times.
+    let group_4 = bytes("1 | 001 000111 010 1 | 1 1 1");
+    // Group 3: an end of line, and white 4 | white 1, black 1, white 2 | the same.
+    let (end, row) = ("000000000001", "000111 010 0111");
+    let group_3 = bytes(&format!("{end} 1011 {end} {row} {end} {row}"));
+    for (method, data) in [(3, &group_3[..]), (4, &group_4[..])] {
+        let mut entries = page(4, 3, 1, data);
+        entries.push(short(259, method));
+        let loaded = read_pages(&[entries.clone()]);
+        let wanted = vec![0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0];
+        assert_eq!(*loaded.volume.samples(), Samples::U8(wanted), "method {method}");
+        entries[4] = (273, 0, data[..1].to_vec());
+        assert!(refused(&[entries]).contains("is no fax"));
+    }
+}
+
+#[test]
 fn values_are_as_stored_whatever_is_white() {
     let mut entries = page(2, 1, 8, &[0, 255]);
     entries[3] = short(262, 0);
