@@ -66,11 +66,21 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
         }
     }
     let vertices = vertices.ok_or_else(|| tokens.fault("the file has no Vertices; export the mesh again"))?;
+    let more = if left_out.len() == MAX_NAMES { " and perhaps more" } else { "" };
+    let left_out = left_out.join(", ") + more;
     if !left_out.is_empty() {
-        let more = if left_out.len() == MAX_NAMES { " and perhaps more" } else { "" };
-        cells.notes.push(format!("{}{more} left out", left_out.join(", ")));
+        cells.notes.push(format!("{left_out} left out"));
     }
-    cells.into_mesh(vertices)
+    let mesh = cells.into_mesh(vertices)?;
+    if mesh.triangles.is_empty() && !left_out.is_empty() {
+        return Err(Fault::unsupported(
+            None,
+            format!(
+                "the file has no faces or cells that are read, only {left_out}; save it with elements of order 1 or 2"
+            ),
+        ));
+    }
+    Ok(mesh)
 }
 
 /// The kind of the elements that a word announces, and how many nodes each has.
@@ -79,12 +89,15 @@ fn kind(word: &[u8]) -> Option<(Kind, usize)> {
     let (shape, corners, nodes) = match word {
         b"Edges" => (Line, 2, 2),
         b"EdgesP2" => (Line, 2, 3),
+        b"EdgesP3" => (Line, 2, 4),
         b"Triangles" => (Polygon, 3, 3),
         b"TrianglesP2" => (Polygon, 3, 6),
+        b"TrianglesP3" => (Polygon, 3, 10),
         b"Quadrilaterals" => (Polygon, 4, 4),
         b"QuadrilateralsQ2" => (Polygon, 4, 9),
         b"Tetrahedra" => (Tetrahedron, 4, 4),
         b"TetrahedraP2" => (Tetrahedron, 4, 10),
+        b"TetrahedraP3" => (Tetrahedron, 4, 20),
         b"Hexahedra" | b"Hexaedra" => (Hexahedron, 8, 8),
         b"HexahedraQ2" => (Hexahedron, 8, 27),
         b"Prisms" | b"Pentahedra" | b"Wedges" => (Wedge, 6, 6),
@@ -169,6 +182,7 @@ mod tests {
         };
         assert!(message("Tetrahedra 1\n1 3 2 6 5\n").starts_with("a.mesh:12: an element names vertex 6"));
         assert!(message("Tetrahedra 9999999\n1 3 2 4 5\n").contains("9999999 rows are declared"));
+        assert!(message("HexahedraQ9 1\n1 2 3\n").contains("only \"HexahedraQ9\"; save it"));
         assert!(message("Triangles 1\n1 2 3      ").contains("the file ends before the element's reference"));
     }
 }

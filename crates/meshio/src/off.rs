@@ -36,14 +36,20 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
             ),
         ));
     }
+    let words = || stream::read(bytes, vertex_count, face_count);
+    // `OFF` and three counts; vertices that follow them on their line have no line each.
+    if Tokens::new(&bytes[..bytes.len() - lines.rest().len()]).count() > 4 {
+        return words().or_else(|fault| one_a_line(lines, vertex_count, face_count).map_err(|_| fault));
+    }
     // Nearly every file has a line for each vertex and face, which the format asks for, but its own programs
     // don't.
+    let expected = vertex_count + face_count;
+    let after = lines.clone();
     one_a_line(lines, vertex_count, face_count).or_else(|fault| {
-        stream::read(bytes, vertex_count, face_count).map_err(|other| {
-            let lines = Heading::new(bytes);
-            // Where both readings fail, the one that was meant knows what is wrong.
-            let farther = other.line() > fault.line() && lines.after != vertex_count + face_count;
-            if lines.runs_on || farther { other } else { fault }
+        // Where both readings fail, the one that was meant knows what is wrong.
+        words().map_err(|other| {
+            let found = after.filter(|line| line.words().next().is_some()).count() as u64;
+            if other.line() > fault.line() && found != expected { other } else { fault }
         })
     })
 }
@@ -72,28 +78,6 @@ fn parsed(vertices: Vec<[f64; 3]>, faces: Faces, more: Option<String>) -> Parsed
     let skipped = note(faces.skipped, "faces of fewer than three corners left out");
     let notes = skipped.into_iter().chain(more).collect();
     Parsed { vertices, triangles: faces.triangles, weld: None, polygons: faces.polygons, notes }
-}
-
-/// How a file is laid out that breaks the rules.
-struct Heading {
-    /// Vertices follow the counts on their line.
-    runs_on: bool,
-    /// Lines after that of the counts.
-    after: u64,
-}
-
-impl Heading {
-    fn new(bytes: &[u8]) -> Self {
-        let mut lines = Lines::new(bytes);
-        let _ = header(&mut lines);
-        let head = &bytes[..bytes.len() - lines.rest().len()];
-        let mut after = 0;
-        while lines.next_full().is_some() {
-            after += 1;
-        }
-        // `OFF` and three counts, or all glued.
-        Self { runs_on: Tokens::new(head).count() > 4, after }
-    }
 }
 
 /// The counts of vertices and faces.

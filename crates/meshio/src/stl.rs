@@ -2,7 +2,7 @@
 
 use crate::error::Fault;
 use crate::read::{Parsed, note};
-use crate::text::{Lines, show};
+use crate::text::{Lines, Words, show};
 use crate::weld::{Weld, collapse};
 
 /// An 80-byte comment and the number of triangles.
@@ -143,33 +143,34 @@ fn records(bytes: &[u8], soup: &mut Soup) -> Result<(), Fault> {
     Ok(())
 }
 
-/// `facet normal ... outer loop, vertex x y z three times, endloop endfacet`, one statement a line.
+/// `facet normal ... outer loop, vertex x y z three times, endloop endfacet`; usually one statement a line.
 fn ascii(bytes: &[u8], soup: &mut Soup) -> Result<(), Fault> {
     let mut lines = Lines::new(bytes);
     let (mut corners, mut ended) = (0, false);
     while let Some(line) = lines.next_full() {
         let mut words = line.words();
-        // Files that were joined may each have had a byte order mark.
-        let word = unmarked(words.next().unwrap_or_default()).to_ascii_lowercase();
-        match &word[..] {
-            b"vertex" => {
+        let mut begins = true;
+        while let Some(word) = words.next() {
+            // Files that were joined may each have had a byte order mark.
+            let word = unmarked(word);
+            let is = |names: &[&str]| names.iter().any(|name| word.eq_ignore_ascii_case(name.as_bytes()));
+            if is(&["vertex"]) {
                 soup.push(words.position()?);
                 corners += 1;
+            } else if is(&["endfacet"]) {
+                if corners != 3 {
+                    let reason = format!("a facet of {corners} vertices; it must have three");
+                    return Err(Fault::at(line.number, reason));
+                }
+                corners = 0;
+            } else if is(&["solid", "endsolid"]) {
+                ended = is(&["endsolid"]);
+                words = after_name(words);
+            } else if begins && !is(&["facet", "normal", "outer", "loop", "endloop"]) {
+                let reason = format!("{} is no statement of ASCII STL", show(&word.to_ascii_lowercase()));
+                return Err(Fault::at(line.number, reason));
             }
-            b"endfacet" if corners == 3 => corners = 0,
-            b"endfacet" => {
-                return Err(Fault::at(
-                    line.number,
-                    format!("a facet of {corners} vertices; it must have three"),
-                ));
-            }
-            b"endsolid" => ended = true,
-            b"solid" => ended = false,
-            b"facet" | b"outer" | b"endloop" => {}
-            _ => {
-                let word = show(&word);
-                return Err(Fault::at(line.number, format!("{word} is no statement of ASCII STL")));
-            }
+            begins = false;
         }
     }
     if !ended || corners != 0 {
@@ -179,6 +180,23 @@ fn ascii(bytes: &[u8], soup: &mut Soup) -> Result<(), Fault> {
         ));
     }
     Ok(())
+}
+
+/// What follows a solid's name, which may be of any words, on its line.
+fn after_name(words: Words) -> Words {
+    let mut rest = words.clone();
+    loop {
+        let here = rest.clone();
+        match rest.next() {
+            Some(word) if word.eq_ignore_ascii_case(b"facet") => {
+                if rest.clone().next().is_some_and(|next| next.eq_ignore_ascii_case(b"normal")) {
+                    return here;
+                }
+            }
+            Some(_) => {}
+            None => return rest,
+        }
+    }
 }
 
 #[cfg(test)]
@@ -233,6 +251,22 @@ mod tests {
         let solid = format!("\u{feff}solid a\n{facet}endsolid a\n");
         let parsed = parse(format!("{solid}{solid}").as_bytes()).unwrap();
         assert_eq!((parsed.triangles.len(), parsed.notes.len()), (2, 0));
+    }
+
+    #[test]
+    fn statements_may_share_a_line() {
+        let facet = "facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet";
+        for text in [
+            format!(
+                "solid of a facet part {facet} {facet} endsolid of a facet part solid b {facet} endsolid b"
+            ),
+            format!("solid vertex 1\n{facet}\n{facet} {facet}\nendsolid vertex 1\n"),
+        ] {
+            assert_eq!(parse(text.as_bytes()).unwrap().triangles, [[0, 1, 2]; 3]);
+        }
+        let three = format!("solid a\n{facet}\n{}\nendsolid a", facet.replacen("vertex 1 0 0", "", 1));
+        let fault = format!("{:?}", parse(three.as_bytes()).map(|_| ()).unwrap_err());
+        assert!(fault.contains("Some(3)") && fault.contains("a facet of 2 vertices"), "{fault}");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use crate::error::Fault;
 
 /// The lines of a text, ended by LF, CR LF or CR; a byte order mark is skipped.
+#[derive(Clone)]
 pub(crate) struct Lines<'a> {
     rest: &'a [u8],
     number: usize,

@@ -55,15 +55,13 @@ pub(super) fn nodes(json: &[u8]) -> Result<Vec<Node>, Fault> {
     Ok(nodes)
 }
 
-/// Beyond this, what f32 cuts off may be larger than details of a mesh.
-const FAR: f64 = 65536.0;
+/// Beyond this, what f32 cuts off (a 2^-24th) may be larger than details of a mesh.
+const FAR: f64 = 1024.0;
 
-/// The number that a file means. Most programs hold f32 and write as few digits as tell it from its neighbours:
-/// then it is that f32, so that parts that meet in f32 meet here.
+/// The number that a file means. Most programs hold f32, so that parts that meet in f32 shall meet here; of large
+/// numbers, all digits count.
 fn intended(x: f64) -> f64 {
-    let short = x as f32;
-    let is_short = x.abs() < FAR && short.to_string().parse() == Ok(x);
-    if is_short { short.into() } else { x }
+    if x.abs() < FAR { (x as f32).into() } else { x }
 }
 
 #[cfg(test)]
@@ -76,7 +74,7 @@ mod tests {
             "EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":3}}}}],"asset":{"version":"2.0"}}"#;
         let nodes = nodes(json).unwrap();
         assert_eq!(nodes[0].translation, Some([4512345.678, 0.0, 1.0]));
-        assert_eq!([0.1, 0.123456789, 1234567.1].map(intended), [f64::from(0.1f32), 0.123456789, 1234567.1]);
+        assert_eq!([0.1, -1234567.1].map(intended), [f64::from(0.1f32), -1234567.1]);
         assert_eq!(nodes[1].instancing().unwrap().attributes["TRANSLATION"], 3);
     }
 }

@@ -137,6 +137,7 @@ pub(super) struct Array<'a> {
     pub name: &'a str,
     number: Option<Number>,
     kind: &'a str,
+    /// 0 where it is not said.
     pub components: u64,
     place: Place<'a>,
 }
@@ -162,7 +163,7 @@ impl<'a> Array<'a> {
             }
         };
         let kind = tag.attribute("type").unwrap_or_default();
-        let components = tag.count("NumberOfComponents")?.max(1);
+        let components = tag.count("NumberOfComponents")?;
         Ok(Self {
             name: tag.attribute("Name").unwrap_or_default(),
             number: Number::from_name(kind),

@@ -147,7 +147,7 @@ fn read_points(
     let Some(array) = piece.find("Points", |_| true) else {
         return if piece.points == 0 { Ok(()) } else { Err(Fault::new("a piece has no points")) };
     };
-    if array.components != 3 && piece.points > 0 {
+    if ![0, 3].contains(&array.components) && piece.points > 0 {
         return Err(Fault::new(format!("points have {} coordinates; three are needed", array.components)));
     }
     let values = array.floats(encoding, appended)?;
@@ -172,7 +172,7 @@ fn read_cells(piece: &Piece, encoding: Encoding, appended: Appended, mut sink: S
     };
     let (types, ends, nodes) = (whole("types")?, whole("offsets")?, whole("connectivity")?);
     check_length("offsets", ends.len() as u64, types.len() as u64)?;
-    let parts = match piece.find("CellData", |a| names_parts(a.name) && a.is_whole() && a.components == 1) {
+    let parts = match piece.find("CellData", |a| names_parts(a.name) && a.is_whole() && a.components <= 1) {
         Some(array) => array.integers(encoding, appended)?,
         None => Vec::new(),
     };

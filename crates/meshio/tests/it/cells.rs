@@ -246,3 +246,96 @@ fn cells_of_surfaces_are_the_mesh_where_there_are_no_volumes() {
         ["1 cells with nodes between their corners taken as straight", "1 lines left out"]
     );
 }
+
+/// A tetrahedron of Gmsh in bytes.
+fn gmsh_binary(version: &str, big_endian: bool) -> Vec<u8> {
+    let mut out = format!("$MeshFormat\n{version} 1 8\n").into_bytes();
+    let put = |out: &mut Vec<u8>, bytes: &[u8]| match big_endian {
+        true => out.extend(bytes.iter().rev()),
+        false => out.extend(bytes),
+    };
+    let ints = |out: &mut Vec<u8>, values: &[i32]| values.iter().for_each(|x| put(out, &x.to_le_bytes()));
+    let sizes = |out: &mut Vec<u8>, values: &[u64]| values.iter().for_each(|x| put(out, &x.to_le_bytes()));
+    let doubles = |out: &mut Vec<u8>, values: &[f64]| values.iter().for_each(|x| put(out, &x.to_le_bytes()));
+    ints(&mut out, &[1]);
+    out.extend(b"\n$EndMeshFormat\n$Nodes\n");
+    // Tags are neither in order nor dense.
+    let tags = [40, 7, 100_000, 9];
+    match version {
+        "2.2" => out.extend(b"4\n"),
+        "4" => {
+            sizes(&mut out, &[1, 4]);
+            ints(&mut out, &[1, 3, 0]);
+            sizes(&mut out, &[4]);
+        }
+        _ => {
+            sizes(&mut out, &[1, 4, 7, 100_000]);
+            ints(&mut out, &[3, 1, 0]);
+            sizes(&mut out, &[4]);
+            sizes(&mut out, &tags.map(|tag| tag as u64));
+        }
+    }
+    for (tag, point) in tags.iter().zip(&CORNERS) {
+        if version != "4.1" {
+            ints(&mut out, &[*tag]);
+        }
+        doubles(&mut out, point);
+    }
+    out.extend(b"\n$EndNodes\n$Elements\n");
+    match version {
+        "2.2" => {
+            out.extend(b"1\n");
+            ints(&mut out, &[4, 1, 2, 50, 1, 1]);
+        }
+        "4" => {
+            sizes(&mut out, &[1, 1]);
+            ints(&mut out, &[1, 3, 4]);
+            sizes(&mut out, &[1]);
+            ints(&mut out, &[50]);
+        }
+        _ => {
+            sizes(&mut out, &[1, 1, 50, 50]);
+            ints(&mut out, &[3, 1, 4]);
+            sizes(&mut out, &[1, 50]);
+        }
+    }
+    match version {
+        "4.1" => sizes(&mut out, &tags.map(|tag| tag as u64)),
+        _ => ints(&mut out, &tags),
+    }
+    out.extend(b"\n$EndElements\n");
+    out
+}
+
+#[test]
+fn gmsh_binary_files_of_all_versions_and_byte_orders() {
+    for version in ["2.2", "4", "4.1"] {
+        for big_endian in [false, true] {
+            let bytes = gmsh_binary(version, big_endian);
+            let loaded = read(MeshFormat::Msh, &bytes);
+            assert_eq!(loaded.mesh.vertices(), &CORNERS[..4], "{version}");
+            assert_eq!(loaded.mesh.triangles(), [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]], "{version}");
+            for end in 0..bytes.len() - 14 {
+                let cut =
+                    read_mesh_from(MeshFormat::Msh, &bytes[..end], Path::new("cut"), &ReadOptions::default());
+                assert!(cut.is_err(), "{version}: {end} of {} bytes", bytes.len());
+            }
+        }
+    }
+}
+
+#[test]
+fn every_truncation_is_an_error() {
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/files"));
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let Some(format) = MeshFormat::from_extension(&path) else { continue };
+        let bytes = std::fs::read(&path).unwrap();
+        // The end of a list of values that is not needed, or of the file's last tag, may be missing.
+        let most = bytes.len() * 2 / 3;
+        for end in (0..most).step_by(7) {
+            let cut = read_mesh_from(format, &bytes[..end], &path, &ReadOptions::default());
+            assert!(cut.is_err(), "{} with {end} of {} bytes", path.display(), bytes.len());
+        }
+    }
+}

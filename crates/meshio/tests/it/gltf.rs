@@ -156,6 +156,26 @@ fn a_time_or_an_animation_that_cannot_be_is_an_error() {
 }
 
 #[test]
+fn nodes_far_from_the_origin_keep_their_distance() {
+    let mut g = Gltf::default();
+    let (position, sides) = (g.points(&CORNERS), g.indices(&SIDES));
+    // In f32 both would be half a unit from where they are.
+    let bytes = g.gltf(&format!(
+        r#""nodes":[{{"children":[1,2],"translation":[4512345.178,-4649776.22,0]}},
+        {{"mesh":0}},{{"mesh":0,"translation":[1.5,0,0]}},{{"mesh":0,"translation":[4512349.178,-4649776.22,0]}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":{position}}},"indices":{sides}}}]}}]"#
+    ));
+    let vertices = read(&bytes, None, 0.0).mesh.vertices().to_vec();
+    for (number, x) in [(0, 0.0), (1, 1.5), (2, 4.0)] {
+        let near: Vec<[f64; 3]> = vertices[4 * number..][..4]
+            .iter()
+            .map(|p| [p[0] - 4512345.178 - x, p[1] + 4649776.22, p[2]])
+            .collect();
+        assert_near(&near, &CORNERS.map(|p| p.map(f64::from)), 2e-9);
+    }
+}
+
+#[test]
 fn instances_are_parts_of_the_mesh() {
     let mut g = Gltf::default();
     let (position, sides) = (g.points(&CORNERS), g.indices(&SIDES));

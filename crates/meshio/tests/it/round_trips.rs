@@ -103,6 +103,20 @@ fn glb_keeps_its_shape_wherever_it_is() {
 }
 
 #[test]
+fn glb_tells_what_it_loses() {
+    let (_folder, path) = folder();
+    // Two tetrahedra so far apart that two corners of the second are one in f32.
+    let corners = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
+    let far = corners.map(|[x, y, z]| [x + 4e9, y, z]);
+    let sides = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+    let triangles = [sides, sides.map(|t| t.map(|v| v + 4))].concat();
+    let mesh = TriangleMesh::new([corners, far].concat(), triangles).unwrap();
+    let notes = write_glb(&path("a.glb"), &mesh, &VertexAttributes::default()).unwrap();
+    assert_eq!(notes.len(), 1);
+    assert!(notes[0].starts_with("1 vertices fall on another one"), "{notes:?}");
+}
+
+#[test]
 fn vtp_is_read_back() {
     let (_folder, path) = folder();
     let (mesh, regions) = (mesh(), [-1, 0, 1, 2, 3, 4]);
