@@ -118,6 +118,44 @@ fn specks_that_a_thin_part_leaves_behind_are_not_bodies() {
 }
 
 #[test]
+fn a_body_too_small_for_a_voxel_has_no_labels_unless_it_is_close() {
+    let pebble = |x: f64| {
+        let (vertices, triangles) = cuboid([x, 0.0, 0.0], [x + 0.01, 0.01, 0.01]);
+        both(&club(1.0), &TriangleMesh::new(vertices, triangles).unwrap(), [0.0; 3])
+    };
+    let elements = |mesh: &TriangleMesh| {
+        let features = detect(Bodies::Largest, Input::Volume(mesh));
+        assert!(features.shape.element_of_vertex()[..16].iter().all(Option::is_some));
+        features.shape.element_of_vertex()[16..].to_vec()
+    };
+    assert_eq!(elements(&pebble(14.0)), [None; 8]);
+    assert!(elements(&pebble(10.1)).iter().all(Option::is_some));
+}
+
+#[test]
+fn a_mesh_that_the_grid_parts_has_labels_where_it_is_searched() {
+    // Two boxes and a rod between them that is thinner than a voxel, in one piece.
+    let rings: [(f64, f64); 6] = [(0.0, 2.0), (4.0, 2.0), (4.0, 0.03), (7.0, 0.03), (7.0, 1.2), (9.4, 1.2)];
+    let corner = |x: f64, r: f64| [[x, -r, -r], [x, r, -r], [x, r, r], [x, -r, r]];
+    let vertices: Vec<[f64; 3]> = rings.iter().flat_map(|&(x, r)| corner(x, r)).collect();
+    let mut triangles = vec![[0, 2, 1], [0, 3, 2], [20, 21, 22], [20, 22, 23]];
+    for ring in 0..5u32 {
+        for i in 0..4 {
+            let [a, b] = [4 * ring + i, 4 * ring + (i + 1) % 4];
+            triangles.extend([[a, b, b + 4], [a, b + 4, a + 4]]);
+        }
+    }
+    // Off the grid's lines, so that no centre lies in the rod.
+    let vertices = vertices.iter().map(|p| [p[0], p[1] + 0.05, p[2] + 0.07]).collect();
+    let mesh = TriangleMesh::new(vertices, triangles).unwrap();
+    let features = detect(Bodies::Largest, Input::Volume(&mesh));
+    assert_eq!(features.voxelization.as_ref().unwrap().dropped_components, 1);
+    let elements = features.shape.element_of_vertex();
+    assert!(elements[..8].iter().all(Option::is_some) && elements[16..].iter().all(Option::is_none));
+    assert_eq!(detect(Bodies::All, Input::Volume(&mesh)).bodies.len(), 2);
+}
+
+#[test]
 fn each_body_on_its_own_is_the_body_alone() {
     let mesh = two_clubs(1.0);
     let all = detect(Bodies::All, Input::Volume(&mesh));
