@@ -13,6 +13,8 @@ pub type SpectrumSource<'a> =
 
 /// Finds and describes the stable regions of shapes: the whole pipeline, and all that it can be told.
 ///
+/// Of a shape of several bodies the largest is searched, unless [`Parameters::bodies`] says otherwise.
+///
 /// ```
 /// # fn run(mesh: &mser3d::shape::TriangleMesh) -> Result<(), mser3d::Error> {
 /// use mser3d::{Detector, Input, Parameters};
