@@ -53,7 +53,7 @@ impl DiscreteShape {
         mesh: &TriangleMesh,
         parameters: &VoxelizeParameters,
     ) -> Result<(Self, Voxelization), Error> {
-        let bodies = if parameters.largest_only { Bodies::Largest } else { Bodies::Join };
+        let bodies = parameters.largest_only.then_some(Bodies::Largest);
         let solid = SolidOfMesh::new(mesh, parameters, bodies, NO_PROGRESS)?;
         Ok((solid.shape, solid.voxelization))
     }

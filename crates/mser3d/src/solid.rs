@@ -30,16 +30,18 @@ pub(crate) struct SolidOfMesh {
 }
 
 impl SolidOfMesh {
+    /// The solid of a mesh; without a choice of bodies everything inside, specks too.
     pub fn new(
         mesh: &TriangleMesh,
         parameters: &VoxelizeParameters,
-        bodies: Bodies,
+        bodies: Option<Bodies>,
         progress: ProgressFn,
     ) -> Result<Self, Error> {
         let connectivity = parameters.connectivity;
         let whole = voxelize(mesh, &VoxelizeParameters { largest_only: false, ..parameters.clone() })?;
         report(progress, Stage::Voxelize, 0, 1)?;
-        let parts = Parts::of_grid(&whole.grid, connectivity, bodies)?;
+        let parts = Parts::of_grid(&whole.grid, connectivity, bodies.unwrap_or_default())?;
+        let parts = if bodies.is_none() { parts.with_all() } else { parts };
         let (elements, voxelization) = if parts.keeps_all() {
             let elements = elements_of_vertices(mesh, &whole.grid, &parts, &whole.grid, progress)?;
             (elements, whole)
@@ -50,7 +52,7 @@ impl SolidOfMesh {
         };
         let warnings = warnings(&voxelization, parts.warning(Domain::Volume));
         let shape = DiscreteShape::solid_in_mesh(voxelization.grid.clone(), connectivity, elements);
-        Ok(Self { shape, voxelization, bodies: parts.searched(bodies), warnings })
+        Ok(Self { shape, voxelization, bodies: parts.searched(), warnings })
     }
 }
 

@@ -1,6 +1,7 @@
 //! Shapes of several bodies, and surfaces that fall apart along seams.
 
-use mser3d::shape::{Connectivity, TriangleMesh};
+use mser3d::shape::{BitGrid, Connectivity, Frame, TriangleMesh, VoxelGrid};
+use mser3d::spectral::EigenpairRange;
 use mser3d::voxelize::Pitch;
 use mser3d::{
     Bodies, Detector, DiscreteShape, Domain, Elements, Error, Features, Input, Parameters, Warning,
@@ -115,6 +116,51 @@ fn specks_that_a_thin_part_leaves_behind_are_not_bodies() {
     let mesh = TriangleMesh::new(vertices, triangles).unwrap();
     let features = detect(Bodies::Largest, Input::Volume(&both(&mesh, &mesh, [0.1, 0.1, 0.1])));
     assert!(features.shape.element_of_vertex().iter().all(Option::is_some));
+}
+
+/// A mask of cubes in a row, of these sides, a voxel apart.
+fn cubes(sides: &[u32]) -> VoxelGrid {
+    let length = sides.iter().sum::<u32>() as usize + sides.len();
+    let most = *sides.iter().max().unwrap();
+    let mut inside = BitGrid::empty([length, most as usize, most as usize]).unwrap();
+    let mut x = 0;
+    for &side in sides {
+        for i in 0..side * side * side {
+            inside.set([x + i % side, i / side % side, i / side / side], true);
+        }
+        x += side + 1;
+    }
+    VoxelGrid::solid(Frame::new(inside.dims(), [0.0; 3], [1.0; 3]).unwrap(), inside).unwrap()
+}
+
+#[test]
+fn specks_are_never_searched_and_small_bodies_are_if_none_is_much_larger() {
+    let bodies = |bodies, sides: &[u32]| {
+        let features = detect(bodies, Input::Solid(&cubes(sides)));
+        let sizes: Vec<usize> = features.bodies.iter().map(|b| b.elements.len()).collect();
+        let dropped = features.warnings.iter().find_map(|w| match w {
+            Warning::SmallerComponents { components, elements, bodies, .. } => {
+                Some((*components, *elements, bodies.clone()))
+            }
+            _ => None,
+        });
+        (sizes, dropped)
+    };
+    let sides = [1, 12, 5, 2, 4];
+    assert_eq!(bodies(Bodies::Largest, &sides), (vec![1728], Some((4, 198, vec![125, 64]))));
+    assert_eq!(bodies(Bodies::All, &sides), (vec![1728, 125, 64], Some((2, 9, vec![]))));
+    assert_eq!(bodies(Bodies::Join, &sides), (vec![1917], Some((2, 9, vec![]))));
+    // The largest body has to have as many eigenpairs as are asked for, the others have what they can.
+    let two = |count| {
+        let mut parameters = with(Bodies::All);
+        parameters.spectrum.eigenpairs = EigenpairRange::Count(count);
+        Detector::new(parameters).detect(Input::Solid(&cubes(&[3, 4, 1])))
+    };
+    assert!(two(65).is_err());
+    let two = two(30).unwrap();
+    assert_eq!(two.bodies.iter().map(|b| b.elements.len()).collect::<Vec<_>>(), [64, 27]);
+    assert_eq!(two.warnings[0], Warning::FewEigenpairs { wanted: 30, available: 27 });
+    assert!(two.warnings[1].to_string().starts_with("1 smaller component with 1 voxel (1.09 %) was dropped"));
 }
 
 #[test]
