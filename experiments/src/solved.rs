@@ -30,7 +30,7 @@ impl Solved {
 
     /// The surface itself.
     pub fn surface(mesh: &TriangleMesh, spectrum: &SpectrumParameters) -> Result<Self, Box<dyn Error>> {
-        Self::solve(mesh, DiscreteShape::surface(mesh), spectrum)
+        Self::solve(mesh, DiscreteShape::surface(mesh)?, spectrum)
     }
 
     fn solve(

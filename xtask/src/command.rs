@@ -2,7 +2,7 @@
 
 use std::ffi::OsStr;
 use std::io::{Read, Seek};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
@@ -63,6 +63,18 @@ pub fn mser3d<A: AsRef<OsStr>>(arguments: &[A]) -> Result<(), String> {
     let mut command = Command::new(cargo);
     command.args(["run", "--quiet", "--release", "--bin", "mser3d", "--manifest-path"]).arg(root).arg("--");
     output(command.args(arguments), Duration::from_secs(1800)).map(drop)
+}
+
+/// Builds an example of one of this workspace's crates; where its program is.
+pub fn example(package: &str, name: &str) -> Result<PathBuf, String> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let mut command = Command::new(cargo);
+    command.args(["build", "--quiet", "--release", "--package", package, "--example", name]);
+    output(command.arg("--manifest-path").arg(root.join("Cargo.toml")), Duration::from_secs(1800))?;
+    let target = std::env::var_os("CARGO_TARGET_DIR").map_or(root.join("target"), PathBuf::from);
+    let program = format!("{name}{}", std::env::consts::EXE_SUFFIX);
+    Ok(target.join("release").join("examples").join(program))
 }
 
 #[cfg(all(test, unix))]

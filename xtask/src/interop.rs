@@ -1,7 +1,9 @@
-//! `cargo xtask interop`: what mser3d writes, opened by each format's own library.
+//! `cargo xtask interop`: what mser3d writes, opened by each format's own library; and volumes that those libraries
+//! write, read by mser3d.
 //!
 //! The libraries come from PyPI and npm, in the versions of `xtask/interop`, into `target/interop`; the
-//! checks are in `check.py` and `validate.cjs` there. A library that cannot be had is skipped, and said so.
+//! checks are in `check.py`, `volumes.py` and `validate.cjs` there. A library that cannot be had is skipped, and said
+//! so.
 
 mod libraries;
 
@@ -9,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use crate::command::{mser3d, output};
+use crate::command::{example, mser3d, output};
 use libraries::{Libraries, TOOLS};
 
 /// A library that takes longer for a few megabytes hangs.
@@ -42,6 +44,19 @@ const PYTHON: [Check; 6] = [
     Check { library: "pyarrow", formats: "Parquet", packages: &["numpy", "pyarrow"] },
 ];
 
+/// What writes random volumes and reads them again, with what that needs.
+const VOLUMES: [&str; 9] = [
+    "numpy",
+    "nibabel",
+    "pynrrd",
+    "tifffile",
+    "imagecodecs",
+    "SimpleITK",
+    "packaging",
+    "importlib_resources",
+    "typing_extensions",
+];
+
 pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::path::absolute("target/interop")?;
     let files = folder.join("files");
@@ -59,6 +74,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
         };
         counts.add(check.library, check.formats, outcome);
     }
+    let outcome = match libraries.python(&VOLUMES) {
+        Err(missing) => Outcome::Skipped(missing),
+        Ok(python) => Outcome::of(volumes(python, &folder.join("volumes"))),
+    };
+    counts.add("nibabel, pynrrd, tifffile, SimpleITK", "volumes", outcome);
     let outcome = match libraries.node() {
         Err(missing) => Outcome::Skipped(missing),
         Ok(mut node) => Outcome::of(validate(&mut node, &files)),
@@ -88,6 +108,17 @@ fn write_files(files: &Path, voxels: usize) -> Result<(), String> {
     mser3d(&["export", &at("rest"), "-o", &at("rest.vtp")])?;
     mser3d(&["match", &at("rest"), &at("kick"), "-o", &at("match"), "--same-vertices"])?;
     mser3d(&["batch", &rest, &kick, "-o", &at("all"), "--voxels", &voxels, "--quiet"])
+}
+
+/// A thousand random volumes through each library, mser3d and back.
+fn volumes(python: &Path, folder: &Path) -> Result<String, String> {
+    if folder.exists() {
+        std::fs::remove_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    }
+    let convert = example("mser3d-volumeio", "convert")?;
+    let mut command = Command::new(python);
+    command.args(["-W", "ignore"]).arg(tools("volumes.py")).arg(convert).arg(folder);
+    output(&mut command, CHECK)
 }
 
 fn validate(node: &mut Command, files: &Path) -> Result<String, String> {

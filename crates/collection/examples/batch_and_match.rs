@@ -7,20 +7,27 @@ use std::path::Path;
 
 use mser3d::voxelize::Pitch;
 use mser3d::{Detector, Domain, Parameters};
-use mser3d_collection::{BatchParameters, DescribedResult, match_results, plan, run_batch};
+use mser3d_collection::{BatchParameters, DescribedResult, PlanParameters, match_results, plan, run_batch};
 
 /// Finds the regions of all shapes in a folder and matches those of the first two by name.
 pub fn batch_and_match(shapes: &Path, collection: &Path) -> Result<usize, Box<dyn Error>> {
     let mut parameters = Parameters::default();
     parameters.voxelize.pitch = Pitch::Voxels(8000);
     parameters.spectrum.eigenpairs = 60.into();
-    let (jobs, batch) = (plan(&[shapes.to_owned()], None)?, BatchParameters::default());
-    let names: Vec<String> = jobs.iter().map(|job| job.name.clone()).collect();
+    let plan = plan(&[shapes.to_owned()], &PlanParameters::default())?;
+    let names: Vec<String> = plan.jobs.iter().map(|job| job.name.clone()).collect();
     let [first, second, ..] = &names[..] else { return Err("two shapes are needed".into()) };
     let heard = |event: mser3d_collection::Event| {
         println!("{} of {}: {} {:?}", event.through, event.total, event.job.name, event.outcome);
     };
-    run_batch(collection, jobs, Domain::Volume, &Detector::new(parameters), &batch, &heard)?;
+    run_batch(
+        collection,
+        &plan,
+        Domain::Volume,
+        &Detector::new(parameters),
+        &BatchParameters::default(),
+        &heard,
+    )?;
 
     let load = |name: &String| DescribedResult::load(&collection.join(name));
     let matching = match_results(&load(first)?, &load(second)?, &Default::default())?;

@@ -6,13 +6,14 @@ use std::sync::{Mutex, PoisonError};
 
 use mser3d::{Detector, Domain};
 use mser3d_fileio::write_text;
-use mser3d_results::{Record, Results};
+use mser3d_results::{Extra, Record, Results, ResultsError, ResultsFolder, ShapeFile};
 use mser3d_shape::InvalidParameter;
 use serde::Serialize;
 
 use crate::budget::Budget;
 use crate::folder::CollectionFolder;
-use crate::{CollectionError, Failure, Job, Shard, Tables, tables};
+use crate::recent_volumes::RecentVolumes;
+use crate::{CollectionError, Failure, Job, Plan, Shard, Tables, tables};
 
 /// How a batch runs.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,13 +22,15 @@ pub struct BatchParameters {
     pub workers: usize,
     /// Bytes of memory that they share; one that needs more runs alone. Default: no limit.
     pub memory: u64,
+    /// What is written for each shape besides. Default: nothing.
+    pub extras: Vec<Extra>,
     /// Only a part of the shapes; the tables are then left to [`build_tables`](crate::build_tables).
     pub shard: Option<Shard>,
 }
 
 impl Default for BatchParameters {
     fn default() -> Self {
-        Self { workers: 1, memory: u64::MAX, shard: None }
+        Self { workers: 1, memory: u64::MAX, extras: Vec::new(), shard: None }
     }
 }
 
@@ -83,7 +86,7 @@ pub struct BatchSummary {
 /// [`build_tables`](crate::build_tables) returns. Shapes that fail are no error, but part of the summary.
 pub fn run_batch(
     folder: &Path,
-    jobs: Vec<Job>,
+    plan: &Plan,
     domain: Domain,
     detector: &Detector,
     parameters: &BatchParameters,
@@ -91,13 +94,14 @@ pub fn run_batch(
 ) -> Result<BatchSummary, CollectionError> {
     InvalidParameter::unless(parameters.workers > 0, "workers", parameters.workers, "at least 1")?;
     let folder = CollectionFolder::open(folder, parameters.shard)?;
-    let jobs = match parameters.shard {
-        Some(shard) => shard.of(jobs),
+    let jobs: Vec<&Job> = match parameters.shard {
+        Some(shard) => shard.of(plan.jobs.iter().collect()),
         None => {
             folder.sweep()?;
-            jobs
+            plan.jobs.iter().collect()
         }
     };
+    let volumes = RecentVolumes::default();
     let budget = Budget::new(parameters.memory);
     let (next, through) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let fatal = Mutex::new(None);
@@ -105,9 +109,10 @@ pub fn run_batch(
     let worker = || {
         while let Some((job, slot)) = {
             let number = next.fetch_add(1, Ordering::Relaxed);
-            jobs.get(number).zip(outcomes.get(number))
+            jobs.get(number).copied().zip(outcomes.get(number))
         } {
-            match one(&folder, job, domain, detector, &budget) {
+            let shape = || volumes.read(job);
+            match one(&folder, job, &shape, domain, detector, parameters, &budget) {
                 Ok(outcome) => {
                     let through = through.fetch_add(1, Ordering::Relaxed) + 1;
                     heard(Event { job, outcome: &outcome, through, total: jobs.len() });
@@ -140,7 +145,7 @@ pub fn run_batch(
         }
     }
     if parameters.shard.is_none() {
-        summary.tables = Some(tables::build(&folder)?);
+        summary.tables = Some(tables::build(&folder, &plan.skipped)?);
     }
     Ok(summary)
 }
@@ -149,18 +154,21 @@ pub fn run_batch(
 fn one(
     folder: &CollectionFolder,
     job: &Job,
+    read: &dyn Fn() -> Result<ShapeFile, ResultsError>,
     domain: Domain,
     detector: &Detector,
+    parameters: &BatchParameters,
     budget: &Budget,
 ) -> Result<Outcome, CollectionError> {
     let _shape = tracing::info_span!("shape", name = job.name).entered();
-    let pitch = detector.parameters.voxelize.pitch;
-    let file = match guarded(|| Ok(job.read()?.with_pitch(pitch)?)) {
+    let file = match guarded(|| Ok(read()?)) {
         Ok(file) => file,
         Err(why) => return failed(folder, job, why.to_string()),
     };
-    let record = Record::load(&folder.result(&job.name));
-    if record.is_ok_and(|record| record.is_of(&file.identity(), domain, &detector.parameters)) {
+    let result = folder.result(&job.name);
+    let record = Record::load(&result);
+    let whole = parameters.extras.iter().all(|extra| result.join(extra.file_name()).is_file());
+    if whole && record.is_ok_and(|record| record.is_of(&file.identity(), domain, &detector.parameters)) {
         return Ok(Outcome::Kept);
     }
     folder.remove_tables()?;
@@ -169,7 +177,7 @@ fn one(
         let input = file.input(domain)?;
         let share = budget.take(detector.parameters.estimate(&input).memory_bytes);
         let features = detector.detect(input)?;
-        Results::of_file(&features, &file)?.write(&partial)?;
+        ResultsFolder::create(&partial)?.write(&Results::of_file(&features, &file)?, &parameters.extras)?;
         drop(share);
         Ok(())
     });
@@ -187,7 +195,7 @@ fn one(
 #[derive(Debug, thiserror::Error)]
 enum Trouble {
     #[error(transparent)]
-    Results(#[from] mser3d_results::ResultsError),
+    Results(#[from] ResultsError),
     #[error(transparent)]
     Detect(#[from] mser3d::Error),
     #[error("a bug in mser3d, please report it: {0}")]

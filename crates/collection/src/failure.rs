@@ -1,5 +1,7 @@
 use serde::{Deserialize, Serialize};
 
+use mser3d_volumeio::Label;
+
 use crate::Job;
 
 /// A shape without a result: what `failure.json` in its folder says, and `failures.json` of all.
@@ -14,6 +16,8 @@ pub struct Failure {
     pub animation: Option<String>,
     /// When in the animation, in seconds.
     pub time: f64,
+    /// The label that was chosen, by number.
+    pub label: Option<i64>,
     /// Why there is no result.
     pub error: String,
 }
@@ -23,8 +27,12 @@ impl Failure {
         Self {
             name: job.name.clone(),
             path: job.path.to_string_lossy().into_owned(),
-            animation: job.animation.clone(),
-            time: job.time,
+            animation: job.options.pose.animation.clone(),
+            time: job.options.pose.time,
+            label: match job.options.body.label {
+                Some(Label::Value(label)) => Some(label),
+                _ => None,
+            },
             error,
         }
     }

@@ -1,6 +1,7 @@
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 
+use crate::label_tables::{LABELS, REGIONS};
 use crate::{CollectionError, Shard};
 
 /// The folder of a collection, while a batch writes to it.
@@ -12,6 +13,7 @@ use crate::{CollectionError, Shard};
 ///   .NAME.partial/           a result that is being written
 ///   .NAME.old/               one that is being replaced
 ///   shapes.parquet, regions.parquet, failures.json: made of all results, when nothing is under way
+///   labels.csv, regions.csv: of label maps, the same
 /// ```
 pub(crate) struct CollectionFolder {
     path: PathBuf,
@@ -20,7 +22,15 @@ pub(crate) struct CollectionFolder {
 }
 
 /// What is made of all results: the last to appear and the first to go.
-pub(crate) const TABLES: [&str; 3] = ["shapes.parquet", "regions.parquet", "failures.json"];
+pub(crate) const TABLES: [&str; 7] = [
+    "shapes.parquet",
+    "regions.parquet",
+    "failures.json",
+    LABELS,
+    REGIONS,
+    "regions.nii.gz",
+    "landmarks.mrk.json",
+];
 
 impl CollectionFolder {
     /// Makes the folder if it is not there, and keeps other batches out of it (other shards are welcome).

@@ -3,8 +3,9 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use mser3d_meshio::{AnimationInfo, MeshFormat, ReadOptions, list_animations};
-use mser3d_results::{ResultsError, ShapeFile};
+use mser3d_results::{ResultsError, ShapeFile, ShapeOptions, VolumeFile};
 use mser3d_shape::InvalidParameter;
+use mser3d_volumeio::{BodyParameters, LabelCount, VolumeFormat};
 
 use crate::CollectionError;
 
@@ -15,10 +16,8 @@ pub struct Job {
     pub name: String,
     /// The file.
     pub path: PathBuf,
-    /// The glTF animation that poses it.
-    pub animation: Option<String>,
-    /// When in the animation, in seconds.
-    pub time: f64,
+    /// How it is read: the frame of an animation, the label of a label map.
+    pub options: ShapeOptions,
 }
 
 impl Job {
@@ -27,8 +26,7 @@ impl Job {
     /// # Errors
     /// As [`ShapeFile::read`].
     pub fn read(&self) -> Result<ShapeFile, ResultsError> {
-        let pose = ReadOptions { animation: self.animation.clone(), time: self.time };
-        ShapeFile::read(&self.path, &pose)
+        ShapeFile::read(&self.path, &self.options)
     }
 }
 
@@ -41,11 +39,53 @@ pub struct Frames {
     pub rate: f64,
 }
 
+/// Parameters of [`plan`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PlanParameters {
+    /// Make a shape of each of these frames of every file. Default: none, every file is a shape.
+    pub frames: Option<Frames>,
+    /// Make a shape of each label of every volume. Default: no.
+    pub all_labels: bool,
+    /// Look into the folders in a folder, too. Default: no.
+    pub recursive: bool,
+    /// How volumes are read. Meshes are read as they are.
+    pub volumes: ShapeOptions,
+}
+
+/// What a batch is to do.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Plan {
+    /// The shapes, in the order of their names.
+    pub jobs: Vec<Job>,
+    /// Labels that are too small to be searched.
+    pub skipped: Vec<SkippedLabel>,
+}
+
+/// A label of less than [`LEAST_LABEL_VOXELS`].
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[non_exhaustive]
+pub struct SkippedLabel {
+    /// The label map.
+    pub path: String,
+    /// The volume of several that it is in.
+    pub volume: usize,
+    /// The label.
+    pub label: i64,
+    /// Its name, if it has one.
+    pub name: Option<String>,
+    /// Its voxels.
+    pub voxels: u64,
+}
+
+/// Fewer voxels than a cube of 4 have no regions to speak of.
+pub const LEAST_LABEL_VOXELS: u64 = 64;
+
 /// The shapes that some inputs name, in the order of their names.
 ///
-/// An input is a file; a folder, for all files of a known format in it (`.npy` masks too); a pattern
+/// An input is a file; a folder, for all files of a known format in it, meshes and volumes; a pattern
 /// such as `scans/*.ply`; or a list, a `.txt` file with one path a line, relative to its folder. With
-/// `frames`, every file is animated and each frame is a shape.
+/// `frames`, every file is animated and each frame is a shape; with `all_labels`, each label of a volume.
 ///
 /// A shape is named after its file, without the ending; where that is not unique, with it, and where
 /// that is not unique either, with the folders before it.
@@ -53,34 +93,64 @@ pub struct Frames {
 /// # Errors
 /// [`CollectionError::Input`] when an input names nothing; [`CollectionError::Mesh`] for an animation
 /// that cannot be read. A file of a list that is not there is left to fail on its own.
-pub fn plan(inputs: &[PathBuf], frames: Option<&Frames>) -> Result<Vec<Job>, CollectionError> {
+pub fn plan(inputs: &[PathBuf], parameters: &PlanParameters) -> Result<Plan, CollectionError> {
     let mut paths = Vec::new();
     for input in inputs {
-        paths.extend(expand(input)?);
+        paths.extend(expand(input, parameters.recursive)?);
     }
     let mut seen = std::collections::HashSet::new();
     paths.retain(|path| seen.insert(path.canonicalize().unwrap_or_else(|_| path.clone())));
-    let mut jobs = Vec::new();
+    let mut plan = Plan::default();
     for (path, name) in paths.iter().zip(names(&paths)) {
-        match frames {
-            None => jobs.push(Job { name, path: path.clone(), animation: None, time: 0.0 }),
-            Some(frames) => jobs.extend(frames_of(path, &name, frames)?),
+        let is_volume = VolumeFormat::of(path).is_some();
+        let options = if is_volume { parameters.volumes.clone() } else { ShapeOptions::default() };
+        let job = Job { name, path: path.clone(), options };
+        match &parameters.frames {
+            Some(frames) => plan.jobs.extend(frames_of(&job, frames)?),
+            None if is_volume && parameters.all_labels => plan.add_labels(job),
+            None => plan.jobs.push(job),
         }
     }
-    jobs.sort_by(|a, b| a.name.cmp(&b.name));
-    Ok(jobs)
+    plan.jobs.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(plan)
 }
 
-fn expand(path: &Path) -> Result<Vec<PathBuf>, CollectionError> {
+impl Plan {
+    /// A job for each label of the volume. A file that cannot be read is left to fail on its own.
+    fn add_labels(&mut self, file: Job) {
+        let Ok(volume) = VolumeFile::read(&file.path, &file.options) else {
+            self.jobs.push(file);
+            return;
+        };
+        let chosen = file.options.body.volume;
+        let Ok(labels) = volume.labels(chosen) else {
+            self.jobs.push(file);
+            return;
+        };
+        for label in labels {
+            let LabelCount { value, volume, voxels, name, .. } = label;
+            if voxels < LEAST_LABEL_VOXELS {
+                let path = file.path.display().to_string();
+                self.skipped.push(SkippedLabel { path, volume, label: value, name, voxels });
+                continue;
+            }
+            let layer = if chosen.is_none() && volume > 0 { format!("-{volume}") } else { String::new() };
+            let called = name.map_or(String::new(), |name| format!("-{}", plain(&name)));
+            let mut job = file.clone();
+            job.name = format!("{}{layer}-{value:03}{called}", file.name);
+            job.options.body = BodyParameters { volume: Some(volume), ..BodyParameters::of_label(value) };
+            self.jobs.push(job);
+        }
+    }
+}
+
+fn expand(path: &Path, recursive: bool) -> Result<Vec<PathBuf>, CollectionError> {
     let fail = |problem: String| CollectionError::Input { input: path.display().to_string(), problem };
     let found = if path.is_dir() {
-        let entries = std::fs::read_dir(path).map_err(CollectionError::io(path))?;
-        let files = entries.map(|e| Ok(e.map_err(CollectionError::io(path))?.path()));
-        let mut files = files.collect::<Result<Vec<_>, CollectionError>>()?;
-        files.retain(|file| is_shape(file));
-        files.sort();
+        let files = files_in(path, recursive)?;
         if files.is_empty() {
-            return Err(fail("no shapes in this folder (.obj .gltf .glb .off .ply .stl .npy)".into()));
+            let deeper = if recursive { "" } else { "; look into its folders with --recursive" };
+            return Err(fail(format!("no meshes and no volumes in this folder{deeper}")));
         }
         files
     } else if path.is_file() && has_extension(path, "txt") {
@@ -108,16 +178,38 @@ fn expand(path: &Path) -> Result<Vec<PathBuf>, CollectionError> {
     Ok(found)
 }
 
+/// The shapes in a folder, by name; those in its folders after it.
+fn files_in(folder: &Path, recursive: bool) -> Result<Vec<PathBuf>, CollectionError> {
+    let entries = std::fs::read_dir(folder).map_err(CollectionError::io(folder))?;
+    let paths = entries.map(|e| Ok(e.map_err(CollectionError::io(folder))?.path()));
+    let mut paths = paths.collect::<Result<Vec<_>, CollectionError>>()?;
+    paths.sort();
+    let mut files: Vec<PathBuf> = paths.iter().filter(|path| is_shape(path)).cloned().collect();
+    // Header and data of a pair are one volume.
+    files.retain(|file| !has_extension(file, "img") || !file.with_extension("hdr").is_file());
+    // Links could lead in circles.
+    let is_folder = |path: &&PathBuf| path.is_dir() && !path.is_symlink() && !is_hidden(path);
+    for inner in paths.iter().filter(is_folder).filter(|_| recursive) {
+        files.extend(files_in(inner, recursive)?);
+    }
+    Ok(files)
+}
+
 fn is_shape(path: &Path) -> bool {
-    let hidden = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
-    path.is_file() && !hidden && (MeshFormat::from_extension(path).is_some() || has_extension(path, "npy"))
+    let known = MeshFormat::from_extension(path).is_some() || VolumeFormat::of(path).is_some();
+    path.is_file() && !is_hidden(path) && known
+}
+
+fn is_hidden(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'))
 }
 
 fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
-fn frames_of(path: &Path, name: &str, frames: &Frames) -> Result<Vec<Job>, CollectionError> {
+fn frames_of(file: &Job, frames: &Frames) -> Result<Vec<Job>, CollectionError> {
+    let (path, name) = (&file.path, &file.name);
     let animations = list_animations(path)?;
     let is_wanted = |a: &&AnimationInfo| {
         a.name.as_ref() == Some(&frames.animation) || a.index.to_string() == frames.animation
@@ -136,9 +228,11 @@ fn frames_of(path: &Path, name: &str, frames: &Frames) -> Result<Vec<Job>, Colle
     let times = animation.frame_times(frames.rate)?;
     let job = |(number, time): (usize, f64)| Job {
         name: format!("{name}-{}-{number:04}", plain(&frames.animation)),
-        path: path.to_owned(),
-        animation: Some(animation.index.to_string()),
-        time,
+        path: path.clone(),
+        options: ShapeOptions {
+            pose: ReadOptions { animation: Some(animation.index.to_string()), time },
+            ..file.options.clone()
+        },
     };
     Ok(times.into_iter().enumerate().map(job).collect())
 }
@@ -146,8 +240,10 @@ fn frames_of(path: &Path, name: &str, frames: &Frames) -> Result<Vec<Job>, Colle
 /// A name for each path: as few of its last parts as tell it from the others.
 fn names(paths: &[PathBuf]) -> Vec<String> {
     let candidate = |path: &Path, level: usize| {
-        let stem = if level == 0 { path.file_stem() } else { path.file_name() };
-        let mut name = plain(&stem.unwrap_or_default().to_string_lossy());
+        let mut name = plain(&path.file_name().unwrap_or_default().to_string_lossy());
+        if level == 0 {
+            name = stem(&name).to_owned();
+        }
         for folder in path.ancestors().skip(1).filter_map(Path::file_name).take(level.saturating_sub(1)) {
             name = format!("{}-{name}", plain(&folder.to_string_lossy()));
         }
@@ -177,6 +273,16 @@ fn names(paths: &[PathBuf]) -> Vec<String> {
         }
     }
     names
+}
+
+/// A name without its ending, which may be a double one: `a.nii.gz`.
+fn stem(name: &str) -> &str {
+    let name =
+        if name.len() > 3 && name.to_lowercase().ends_with(".gz") { &name[..name.len() - 3] } else { name };
+    match name.rfind('.') {
+        Some(at) if at > 0 => &name[..at],
+        _ => name,
+    }
 }
 
 /// A part of a path as a folder's name: not hidden, without separators.
@@ -256,6 +362,7 @@ mod tests {
         assert_eq!(named(&["p/a/x.off", "p/b/X.off"]), ["a-x.off", "b-X.off"]);
         assert_eq!(named(&["x.off", "../x.off"]), ["x.off", "x.off-2"]);
         assert_eq!(named(&["a/.off", ".."]), ["_off", "shape"]);
+        assert_eq!(named(&["a/ct.nii.gz", "b.seg.nrrd"]), ["ct", "b.seg"]);
     }
 
     #[test]
@@ -267,7 +374,7 @@ mod tests {
         let list = folder.path().join("list.txt");
         std::fs::write(&list, "b.off\n\nmissing.stl\r\n").unwrap();
         let inputs = [folder.path().to_owned(), folder.path().join("*.o*"), list];
-        let jobs = plan(&inputs, None).unwrap();
+        let jobs = plan(&inputs, &PlanParameters::default()).unwrap().jobs;
         let names: Vec<&str> = jobs.iter().map(|j| j.name.as_str()).collect();
         assert_eq!(names, ["a", "b", "mask", "missing"]);
     }
@@ -276,11 +383,11 @@ mod tests {
     fn inputs_that_name_nothing_are_errors() {
         let folder = tempfile::tempdir().unwrap();
         for (input, problem) in [
-            (folder.path().to_owned(), "no shapes in this folder"),
+            (folder.path().to_owned(), "no meshes and no volumes in this folder"),
             (folder.path().join("*.off"), "no shapes match"),
             (folder.path().join("x.off"), "no such file"),
         ] {
-            let error = plan(&[input], None).unwrap_err().to_string();
+            let error = plan(&[input], &PlanParameters::default()).unwrap_err().to_string();
             assert!(error.contains(problem), "{error}");
         }
     }

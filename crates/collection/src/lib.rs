@@ -4,7 +4,7 @@
 //!   many of the matches are right, where the truth is known.
 //! * [`plan`] lists the shapes that files, folders and patterns name; [`run_batch`] runs a detector over them, each
 //!   with a result in a folder of its own;
-//!   [`build_tables`] makes `regions.parquet` and `shapes.parquet` of them.
+//!   [`build_tables`] makes `regions.parquet` and `shapes.parquet` of them, and of label maps `labels.csv` and `regions.csv`.
 //! * [`Index`] finds the regions of a collection that are nearest to those of a shape, and shows them.
 //! * [`SpectrumCache`] keeps spectra, so that none is computed twice.
 //!
@@ -26,7 +26,7 @@
 //! ```
 //! use mser3d::voxelize::Pitch;
 //! use mser3d::{Detector, Domain, Parameters};
-//! use mser3d_collection::{BatchParameters, DescribedResult, Index, match_results, plan, run_batch};
+//! use mser3d_collection::{BatchParameters, DescribedResult, Index, PlanParameters, match_results, plan, run_batch};
 //!
 //! # // Two shapes: a block with a handle, longer in the second.
 //! # let folder = std::env::temp_dir().join(format!("mser3d-collection-doc-{}", std::process::id()));
@@ -53,10 +53,10 @@
 //! let detector = Detector::new(parameters);
 //!
 //! // All shapes in a folder of meshes and masks.
-//! let (jobs, collection) = (plan(&[shapes], None)?, folder.join("results"));
+//! let (plan, collection) = (plan(&[shapes], &PlanParameters::default())?, folder.join("results"));
 //! let run = || {
 //!     let batch = BatchParameters::default();
-//!     run_batch(&collection, jobs.clone(), Domain::Volume, &detector, &batch, &|_| {})
+//!     run_batch(&collection, &plan, Domain::Volume, &detector, &batch, &|_| {})
 //! };
 //! assert_eq!(run()?.computed, 2);
 //! assert_eq!(run()?.kept, 2); // nothing is computed twice
@@ -81,10 +81,12 @@ mod failure;
 mod folder;
 mod ground_truth;
 mod job;
+mod label_tables;
 mod matching;
 mod parquet;
 mod query;
 mod query_page;
+mod recent_volumes;
 mod tables;
 
 pub use batch::{BatchParameters, BatchSummary, Event, Outcome, run_batch};
@@ -93,7 +95,8 @@ pub use descriptor_settings::DescriptorSettings;
 pub use error::CollectionError;
 pub use failure::Failure;
 pub use ground_truth::judge_matching;
-pub use job::{Frames, Job, Shard, plan};
+pub use job::{Frames, Job, LEAST_LABEL_VOXELS, Plan, PlanParameters, Shard, SkippedLabel, plan};
+pub use label_tables::write_label_map;
 pub use matching::{DescribedResult, MatchRecord, Matching, RegionMatch, match_results};
 pub use query::{Hit, Index, QueryRecord, RegionHits};
 pub use tables::{Tables, build_tables};

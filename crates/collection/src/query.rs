@@ -97,7 +97,12 @@ impl Index {
         if [shapes.len(), regions.len(), fractions.len()] != [rows; 3] || width * rows != values.len() {
             return Err(broken("its columns differ in length; run `mser3d batch` again".into()));
         }
-        let regions = regions.into_iter().map(|r| r as u32).collect();
+        // Rows of NaN are of shapes that cannot be compared.
+        let kept: Vec<usize> = (0..rows).filter(|&row| !values[row * width].is_nan()).collect();
+        let values = kept.iter().flat_map(|&row| values[row * width..][..width].iter().copied()).collect();
+        let shapes = kept.iter().map(|&row| shapes[row].clone()).collect();
+        let regions = kept.iter().map(|&row| regions[row] as u32).collect();
+        let fractions = kept.iter().map(|&row| fractions[row]).collect();
         let descriptors = Descriptors::new(width, values)?;
         Ok(Self { folder: folder.to_owned(), settings, shapes, regions, fractions, descriptors })
     }

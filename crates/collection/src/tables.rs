@@ -1,10 +1,13 @@
 use std::path::Path;
 
+use mser3d::spectral::EigenpairRange;
 use mser3d_fileio::{NpyValues, read_npz, write_text};
 use mser3d_results::{Record, ResultsError};
 use serde::Serialize;
 
 use crate::folder::CollectionFolder;
+use crate::job::SkippedLabel;
+use crate::label_tables;
 use crate::parquet::{self, Column};
 use crate::{CollectionError, DescriptorSettings, Failure};
 
@@ -29,6 +32,7 @@ pub(crate) const SETTINGS: &str = "mser3d.descriptor_settings";
 /// |---|---|
 /// | `shape` | name, the result's folder |
 /// | `path`, `sha256`, `animation`, `time` | the input |
+/// | `label`, `label_name` | the label of a label map, if it is one |
 /// | `domain`, `version` | volume or surface; that of mser3d |
 /// | `vertices`, `voxels`, `pitch` | of the mesh and the grid; none for a surface |
 /// | `measure` | volume or area |
@@ -38,7 +42,7 @@ pub(crate) const SETTINGS: &str = "mser3d.descriptor_settings";
 /// |---|---|
 /// | `shape`, `region` | name and number: a region's key |
 /// | `parent`, `tree`, `altitude`, `stability`, `volume`, `volume_fraction`, `voxels`, `vertices`, `x`, `y`, `z` | as in `regions.json`; x, y, z is the centroid |
-/// | `descriptor` | a list of numbers |
+/// | `descriptor` | a list of numbers; NaN where a shape is so small that it has fewer eigenpairs than the others |
 ///
 /// # Errors
 /// [`CollectionError::NotACollection`] for a folder without results,
@@ -49,10 +53,10 @@ pub fn build_tables(folder: &Path) -> Result<Tables, CollectionError> {
         let problem = "there is no such folder; give that of a batch".to_owned();
         return Err(CollectionError::NotACollection { folder: folder.to_owned(), problem });
     }
-    build(&CollectionFolder::open(folder, None)?)
+    build(&CollectionFolder::open(folder, None)?, &[])
 }
 
-pub(crate) fn build(folder: &CollectionFolder) -> Result<Tables, CollectionError> {
+pub(crate) fn build(folder: &CollectionFolder, skipped: &[SkippedLabel]) -> Result<Tables, CollectionError> {
     let root = folder.path();
     folder.remove_tables()?;
     let mut names = Vec::new();
@@ -65,7 +69,7 @@ pub(crate) fn build(folder: &CollectionFolder) -> Result<Tables, CollectionError
     }
     names.sort();
     let mut rows = Rows::default();
-    let mut failures = Vec::new();
+    let (mut records, mut failures) = (Vec::new(), Vec::new());
     let mut settings: Option<(String, DescriptorSettings)> = None;
     for name in names {
         let result = folder.result(&name);
@@ -79,8 +83,16 @@ pub(crate) fn build(folder: &CollectionFolder) -> Result<Tables, CollectionError
             Err(ResultsError::NotAResult { .. }) => continue,
             record => record?,
         };
-        let own = DescriptorSettings::of(&record);
+        records.push((name, record));
+    }
+    // The descriptors of a shape with fewer eigenpairs than the others compare with none of theirs.
+    let all_small = records.iter().all(|(_, record)| has_few_eigenpairs(record));
+    for (name, record) in &records {
+        let result = folder.result(name);
+        let mut values = descriptors(&result, record.regions.len())?;
+        let own = DescriptorSettings::of(record);
         match &settings {
+            _ if has_few_eigenpairs(record) && !all_small => values.fill(f64::NAN),
             None => settings = Some((name.clone(), own)),
             Some((first, settings)) => {
                 if let Some(what) = settings.difference(&own) {
@@ -89,7 +101,7 @@ pub(crate) fn build(folder: &CollectionFolder) -> Result<Tables, CollectionError
                 }
             }
         }
-        rows.push(name, &record, descriptors(&result, record.regions.len())?);
+        rows.push(name.clone(), record, values);
     }
     let tables = Tables { shapes: rows.shape.len(), regions: rows.of_shape.len(), failures: failures.len() };
     if tables.shapes + tables.failures == 0 {
@@ -101,7 +113,16 @@ pub(crate) fn build(folder: &CollectionFolder) -> Result<Tables, CollectionError
     write_text(&path, &(json + "\n"))?;
     let settings = settings.map_or(String::new(), |(_, s)| serde_json::to_string(&s).unwrap_or_default());
     rows.write(root, settings)?;
+    label_tables::write(root, &records, &failures, skipped)?;
     Ok(tables)
+}
+
+/// Whether a shape is so small that it has fewer eigenpairs than are used by default.
+fn has_few_eigenpairs(record: &Record) -> bool {
+    match record.parameters.spectrum.eigenpairs {
+        EigenpairRange::AtMost(wanted) => record.bodies.iter().any(|b| b.spectrum.eigenpairs < wanted),
+        _ => false,
+    }
 }
 
 /// The descriptors of a result's regions, row by row.
@@ -127,6 +148,8 @@ struct Rows {
     sha256: Vec<String>,
     animation: Vec<Option<String>>,
     time: Vec<f64>,
+    label: Vec<Option<i32>>,
+    label_name: Vec<Option<String>>,
     domain: Vec<String>,
     version: Vec<String>,
     vertices: Vec<Option<i32>>,
@@ -158,6 +181,9 @@ impl Rows {
         self.sha256.push(input.sha256.clone().unwrap_or_default());
         self.animation.push(input.animation.clone());
         self.time.push(input.time);
+        let body = input.volume.as_ref().and_then(|volume| volume.body.as_ref());
+        self.label.push(body.and_then(|b| b.label).and_then(|label| i32::try_from(label).ok()));
+        self.label_name.push(body.and_then(|b| b.name.clone()));
         self.domain.push(record.domain.to_string());
         self.version.push(record.mser3d.clone());
         self.vertices.push(input.diagnosis.as_ref().and_then(|d| count(d.vertices)));
@@ -209,6 +235,8 @@ impl Rows {
             ("sha256", Column::Text(self.sha256)),
             ("animation", Column::OptionalText(self.animation)),
             ("time", Column::Number(self.time)),
+            ("label", Column::OptionalInteger(self.label)),
+            ("label_name", Column::OptionalText(self.label_name)),
             ("domain", Column::Text(self.domain)),
             ("version", Column::Text(self.version)),
             ("vertices", Column::OptionalInteger(self.vertices)),

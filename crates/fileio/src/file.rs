@@ -2,6 +2,7 @@ use crate::FileError;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Reads a whole file.
 ///
@@ -34,6 +35,7 @@ pub fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
 ) -> Result<(), FileError> {
+    let _writing = Writing::begin();
     let attempt = || {
         let there = std::fs::metadata(path).ok().map(|found| found.file_type());
         if there.is_some_and(|kind| !kind.is_file() && !kind.is_dir()) {
@@ -61,6 +63,31 @@ pub fn write_atomically(
         Ok(())
     };
     attempt().map_err(|source| FileError::Write { path: path.to_path_buf(), source })
+}
+
+static WRITERS: AtomicUsize = AtomicUsize::new(0);
+
+/// While it is there, something is being written that should not be left half done.
+#[derive(Debug)]
+pub struct Writing(());
+
+impl Writing {
+    /// From now on [`is_writing`].
+    pub fn begin() -> Self {
+        WRITERS.fetch_add(1, Ordering::SeqCst);
+        Self(())
+    }
+}
+
+impl Drop for Writing {
+    fn drop(&mut self) {
+        WRITERS.fetch_sub(1, Ordering::SeqCst);
+    }
+}
+
+/// Whether a file is being written in this process: a program that is asked to stop waits for it.
+pub fn is_writing() -> bool {
+    WRITERS.load(Ordering::SeqCst) > 0
 }
 
 /// Writes a whole text by [`write_atomically`].

@@ -26,7 +26,9 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::temp_dir().join(format!("mser3d-house-{}", std::process::id()));
     std::fs::create_dir_all(&folder)?;
     write_vtp(&folder.join("house.vtp"), mesh, &attributes)?;
-    write_glb(&folder.join("house.glb"), mesh, &attributes)?;
+    for note in write_glb(&folder.join("house.glb"), mesh, &attributes)? {
+        println!("note: {note}");
+    }
 
     // Binary glTF repeats no vertex here, so the mesh comes back as it was.
     let again = read_mesh(&folder.join("house.glb"), &ReadOptions::default())?.mesh;

@@ -13,7 +13,9 @@ pub enum MeshIoError {
     #[error(transparent)]
     File(#[from] FileError),
     /// The extension belongs to no known format.
-    #[error("{}: unknown file extension{}; known are {}", path.display(), Guess(*contents), MeshFormat::LIST)]
+    #[error(
+        "{}: unknown file extension{}; known are {}", path.display(), Guess(path, *contents), MeshFormat::LIST
+    )]
     UnknownFormat {
         /// The file.
         path: PathBuf,
@@ -22,8 +24,8 @@ pub enum MeshIoError {
     },
     /// The extension says one format, the contents another.
     #[error(
-        "{}: named as {extension}, but its contents are {contents}; rename it to .{}",
-        path.display(), contents.extension()
+        "{}: named as {extension}, but its contents are {contents}; rename it to .{}{}",
+        path.display(), contents.extension(), Packed(path)
     )]
     WrongExtension {
         /// The file.
@@ -79,12 +81,22 @@ impl fmt::Display for Line {
     }
 }
 
-struct Guess(Option<MeshFormat>);
+/// `.gz` for a file that is named so.
+struct Packed<'a>(&'a Path);
 
-impl fmt::Display for Guess {
+impl fmt::Display for Packed<'_> {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        self.0.map_or(Ok(()), |format| {
-            write!(f, " (the contents look like {format}: rename it to .{})", format.extension())
+        f.write_str(if MeshFormat::is_named_packed(self.0) { ".gz" } else { "" })
+    }
+}
+
+struct Guess<'a>(&'a Path, Option<MeshFormat>);
+
+impl fmt::Display for Guess<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        self.1.map_or(Ok(()), |format| {
+            let (extension, packed) = (format.extension(), Packed(self.0));
+            write!(f, " (the contents look like {format}: rename it to .{extension}{packed})")
         })
     }
 }
@@ -131,6 +143,16 @@ impl Fault {
             self.reason = format!("{}; {advice}", self.reason);
         }
         self
+    }
+
+    /// The same, with the part of the file that it is about.
+    pub(crate) fn within(mut self, what: &str) -> Self {
+        self.reason = format!("{what}: {}", self.reason);
+        self
+    }
+
+    pub(crate) fn line(&self) -> Option<usize> {
+        self.line
     }
 
     pub(crate) fn into_reason(self) -> String {

@@ -3,15 +3,29 @@
 //! | | read | written |
 //! |---|---|---|
 //! | OBJ | polygons, groups, negative indices, continued lines (by tobj) | |
-//! | glTF, GLB | all triangle primitives of the scene; node transforms, morph targets, skins, animations; sparse and quantized accessors; buffers inside and beside the file | GLB with normals, colours and regions |
-//! | OFF | ASCII, also with normals and colours | yes |
-//! | PLY | ASCII, binary of both byte orders | binary, with normals, colours and regions |
-//! | STL | ASCII, binary | |
-//! | VTP, VTI | | meshes and voxel grids for ParaView |
+//! | glTF, GLB | all triangle primitives of the scene; node transforms, instances, morph targets, skins, animations; sparse and quantized accessors; buffers inside and beside the file | GLB with normals, colours and regions |
+//! | OFF | ASCII, also with normals and colours, a line for each vertex and face or over line ends | yes |
+//! | PLY | ASCII, binary of both byte orders; faces and triangle strips | binary, with normals, colours and regions |
+//! | STL | ASCII, binary, several in one file | |
+//! | VTU | cells of solids or polygons: text, base64 or appended bytes, perhaps packed by zlib, both byte orders | |
+//! | VTP | polygons and strips, stored in the same ways | meshes for ParaView |
+//! | VTK | versions 1 to 5.1, ASCII and binary: unstructured grids and polygons | |
+//! | Gmsh `.msh` | versions 2, 4.0 and 4.1, ASCII and binary: cells of solids or polygons | |
+//! | Medit `.mesh` | ASCII: cells of solids or polygons | |
+//! | VTI | | voxel grids for ParaView |
+//!
+//! Each file may be packed by gzip (`name.obj.gz`).
+//!
+//! # Cells
+//! A file of tetrahedra, hexahedra, voxels, wedges or pyramids is a solid, and its mesh is the solid's boundary: the
+//! faces that belong to one cell only, seen from outside, whichever way the cells themselves turn. Polygons beside
+//! such cells are left out, as Gmsh saves them too. Quadratic and higher cells count by their corners. Cells of
+//! several parts are one solid. Vertices at equal positions count as the first of them there. All this is noted, and
+//! so are cells that overlap. A file with polygons only is read as any other mesh.
 //!
 //! # What holds
-//! * **Vertex i is the i-th vertex of the file** for OBJ, OFF and PLY, whether a face uses it or not
-//!   and however often its position occurs. glTF and STL repeat a vertex for each primitive or
+//! * **Vertex i is the i-th vertex of the file**, whether a face uses it or not and however often its position
+//!   occurs, for all formats but glTF and STL. These repeat a vertex for each primitive or
 //!   triangle; there, vertices at equal positions (-0.0 equals 0.0) become one, numbered by first
 //!   occurrence, and [`LoadedMesh::weld`] leads from each vertex of the file to its mesh vertex.
 //!   For glTF, the file's vertices are those of the triangle primitives in the order in which the
@@ -22,14 +36,17 @@
 //! * Nothing is repaired in silence: what was left out is in [`LoadedMesh::notes`].
 //! * A file may hold anything. Damaged ones end in a [`MeshIoError`] that names the file and the line,
 //!   never in a panic; memory is bounded by the size of the file, not by the counts it declares.
-//!   (A glTF scene may show one mesh at many nodes: memory is bounded by what is shown.)
+//!   (A glTF scene may show one mesh at many nodes and instances: memory is bounded by what is shown. A
+//!   packed file is bounded by what it unpacks to, at most 256 times its size or 1 GiB.)
+//! * OFF, PLY and VTP are written in f64, every bit kept; GLB in f32, relative to the mesh's centre where that is
+//!   far from the origin. [`write_glb`] tells if that lost anything.
 //! * Files are written to the side and renamed ([`write_atomically`](mser3d_fileio::write_atomically)):
 //!   nobody sees half of one. The same data make the same bytes.
 //!
 //! # Limits
-//! Compressed glTF (Draco, meshopt), binary OFF, triangle strips in PLY and free-form surfaces in OBJ
-//! are not read: all are refused, or noted, by name. Units and the direction of "up" are left as they
-//! are in the file.
+//! Compressed glTF (Draco, meshopt), binary OFF, polyhedra and prisms of VTK, VTK's arrays packed by LZ4 or LZMA, Gmsh's
+//! version 1 and free-form surfaces in OBJ are not read: all are refused, or noted, by name. Units and the
+//! direction of "up" are left as they are in the file.
 //!
 //! # Example
 //! ```
@@ -68,9 +85,14 @@
 //! ```
 #![warn(missing_docs)]
 
+mod boundary;
+mod cells;
 mod error;
 mod format;
 mod gltf;
+mod gmsh;
+mod gzip;
+mod medit;
 mod obj;
 mod off;
 mod ply;
@@ -78,6 +100,7 @@ mod polygon;
 mod read;
 mod stl;
 mod text;
+mod vtk;
 mod weld;
 mod write;
 

@@ -1,9 +1,11 @@
-//! OFF: `OFF`, the counts, a line for each vertex, a line for each face.
+//! OFF: `OFF`, the counts, the vertices, the faces; usually a line for each.
+
+mod stream;
 
 use crate::error::Fault;
 use crate::polygon::Faces;
 use crate::read::{Parsed, note};
-use crate::text::{Line, Lines, Words, parse as number, show};
+use crate::text::{Line, Lines, Tokens, parse as number, show};
 
 /// Whether a word begins an OFF file: `OFF`, perhaps after letters that say what vertices carry besides a
 /// position.
@@ -34,7 +36,19 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
             ),
         ));
     }
+    // Nearly every file has a line for each vertex and face, which the format asks for, but its own programs
+    // don't.
+    one_a_line(lines, vertex_count, face_count).or_else(|fault| {
+        stream::read(bytes, vertex_count, face_count).map_err(|other| {
+            let lines = Heading::new(bytes);
+            // Where both readings fail, the one that was meant knows what is wrong.
+            let farther = other.line() > fault.line() && lines.after != vertex_count + face_count;
+            if lines.runs_on || farther { other } else { fault }
+        })
+    })
+}
 
+fn one_a_line(mut lines: Lines, vertex_count: u64, face_count: u64) -> Result<Parsed, Fault> {
     let mut vertices = Vec::with_capacity(vertex_count as usize);
     while (vertices.len() as u64) < vertex_count {
         let line = next(&mut lines, "vertices", vertices.len(), vertex_count)?;
@@ -47,8 +61,39 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
         face(line, vertices.len(), &mut corners)?;
         faces.push(&corners, &vertices);
     }
-    let notes = note(faces.skipped, "faces of fewer than three corners left out").into_iter().collect();
-    Ok(Parsed { vertices, triangles: faces.triangles, weld: None, polygons: faces.polygons, notes })
+    let mut more = 0;
+    while lines.next_full().is_some() {
+        more += 1;
+    }
+    Ok(parsed(vertices, faces, note(more, "lines after the last face left out")))
+}
+
+fn parsed(vertices: Vec<[f64; 3]>, faces: Faces, more: Option<String>) -> Parsed {
+    let skipped = note(faces.skipped, "faces of fewer than three corners left out");
+    let notes = skipped.into_iter().chain(more).collect();
+    Parsed { vertices, triangles: faces.triangles, weld: None, polygons: faces.polygons, notes }
+}
+
+/// How a file is laid out that breaks the rules.
+struct Heading {
+    /// Vertices follow the counts on their line.
+    runs_on: bool,
+    /// Lines after that of the counts.
+    after: u64,
+}
+
+impl Heading {
+    fn new(bytes: &[u8]) -> Self {
+        let mut lines = Lines::new(bytes);
+        let _ = header(&mut lines);
+        let head = &bytes[..bytes.len() - lines.rest().len()];
+        let mut after = 0;
+        while lines.next_full().is_some() {
+            after += 1;
+        }
+        // `OFF` and three counts, or all glued.
+        Self { runs_on: Tokens::new(head).count() > 4, after }
+    }
 }
 
 /// The counts of vertices and faces.
@@ -69,19 +114,19 @@ fn header(lines: &mut Lines) -> Result<(u64, u64), Fault> {
             "binary OFF is not supported; export ASCII OFF or binary PLY",
         ));
     }
-    if let Some(vertices) = number(glued) {
-        return Ok((vertices, words.whole("the number of faces")?));
-    }
-    let counts =
-        |mut words: Words| Ok((words.whole("the number of vertices")?, words.whole("the number of faces")?));
-    if words.clone().next().is_some() {
-        return counts(words);
-    }
-    let end = Fault::at(
-        lines.number(),
-        "the file ends before the counts; it is truncated; copy or export it again",
-    );
-    counts(lines.next_full().ok_or(end)?.words())
+    let mut count = |what: &str| -> Result<u64, Fault> {
+        while words.clone().next().is_none() {
+            let end = "the file ends before the counts; it is truncated; copy or export it again";
+            let end = Fault::at(lines.number(), end);
+            words = lines.next_full().ok_or(end)?.words();
+        }
+        words.whole(what)
+    };
+    let vertices = match number(glued) {
+        Some(vertices) => vertices,
+        None => count("the number of vertices")?,
+    };
+    Ok((vertices, count("the number of faces")?))
 }
 
 fn next<'a>(lines: &mut Lines<'a>, what: &str, read: usize, declared: u64) -> Result<Line<'a>, Fault> {
@@ -133,6 +178,12 @@ mod tests {
             assert_eq!(parsed.triangles, [[0, 1, 2], [0, 2, 3]]);
             assert_eq!(parsed.polygons, 1);
         }
+    }
+
+    #[test]
+    fn what_follows_the_last_face_is_noted() {
+        let parsed = parse(b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n\n# end\nOFF\n3 1 0\n").unwrap();
+        assert_eq!(parsed.notes, ["2 lines after the last face left out"]);
     }
 
     #[test]

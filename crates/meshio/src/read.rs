@@ -1,6 +1,7 @@
 use crate::error::Fault;
+use crate::vtk::{legacy, xml};
 use crate::write::check_length;
-use crate::{MeshFormat, MeshIoError, gltf, obj, off, ply, stl};
+use crate::{MeshFormat, MeshIoError, gltf, gmsh, gzip, medit, obj, off, ply, stl};
 use mser3d_fileio::read_bytes;
 use mser3d_shape::{InvalidParameter, TriangleMesh};
 use std::path::Path;
@@ -36,7 +37,7 @@ impl ReadOptions {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct LoadedMesh {
-    /// The mesh. Vertex i is the i-th vertex of an OBJ, OFF or PLY file, used by a face or not.
+    /// The mesh. Vertex i is the i-th vertex of the file, used by a face or not, but for glTF and STL.
     pub mesh: TriangleMesh,
     /// The file's format.
     pub format: MeshFormat,
@@ -87,7 +88,7 @@ pub fn read_mesh(path: &Path, options: &ReadOptions) -> Result<LoadedMesh, MeshI
 }
 
 /// Reads the mesh of a file's bytes. Buffers that a glTF file names are sought beside `path`, which
-/// otherwise only serves messages.
+/// otherwise only serves messages. Bytes packed by gzip are unpacked.
 ///
 /// # Errors
 /// Every [`MeshIoError`] but that of a refused write.
@@ -98,6 +99,8 @@ pub fn read_mesh_from(
     options: &ReadOptions,
 ) -> Result<LoadedMesh, MeshIoError> {
     options.validate()?;
+    let packed = bytes;
+    let bytes = &gzip::unpack(packed).map_err(|fault| fault.in_file(path))?[..];
     let fault = |fault: Fault| fault.in_file(path);
     if bytes.trim_ascii().is_empty() {
         return Err(fault(Fault::new("the file is empty; export or copy it again")));
@@ -107,11 +110,21 @@ pub fn read_mesh_from(
         let (path, wanted) = (path.to_path_buf(), wanted.clone());
         return Err(MeshIoError::NoAnimation { path, wanted, available: Vec::new() });
     }
+    let text =
+        !matches!(format, MeshFormat::Glb | MeshFormat::Stl) || !stl::is_binary(bytes, bytes.len() as u64);
+    if text && (bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff")) {
+        return Err(fault(Fault::unsupported(None, "the text is in UTF-16; save it in ASCII or UTF-8")));
+    }
     let parsed = match format {
         MeshFormat::Obj => obj::parse(bytes).map_err(fault)?,
         MeshFormat::Off => off::parse(bytes).map_err(fault)?,
         MeshFormat::Ply => ply::parse(bytes).map_err(fault)?,
         MeshFormat::Stl => stl::parse(bytes).map_err(fault)?,
+        MeshFormat::Vtu => xml::parse(bytes, xml::DataSet::UnstructuredGrid).map_err(fault)?,
+        MeshFormat::Vtp => xml::parse(bytes, xml::DataSet::PolyData).map_err(fault)?,
+        MeshFormat::Vtk => legacy::parse(bytes).map_err(fault)?,
+        MeshFormat::Msh => gmsh::parse(bytes).map_err(fault)?,
+        MeshFormat::Medit => medit::parse(bytes).map_err(fault)?,
         MeshFormat::Gltf | MeshFormat::Glb => gltf::parse(format, bytes, path, options)?,
     };
     let Parsed { vertices, triangles, weld, polygons, notes } = parsed;

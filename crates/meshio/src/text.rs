@@ -120,6 +120,118 @@ impl Words<'_> {
     }
 }
 
+/// The words of a text one after another, wherever its lines end.
+#[derive(Clone)]
+pub(crate) struct Tokens<'a> {
+    rest: &'a [u8],
+    line: usize,
+    comments: bool,
+}
+
+impl<'a> Iterator for Tokens<'a> {
+    type Item = &'a [u8];
+
+    #[inline]
+    fn next(&mut self) -> Option<&'a [u8]> {
+        self.skip_blank(false);
+        let end = self.rest.iter().position(u8::is_ascii_whitespace).unwrap_or(self.rest.len());
+        let (word, rest) = self.rest.split_at(end);
+        self.rest = rest;
+        (!word.is_empty()).then_some(word)
+    }
+}
+
+impl<'a> Tokens<'a> {
+    /// The words of a text, without comments from `#` to the line's end.
+    pub(crate) fn new(bytes: &'a [u8]) -> Self {
+        Self { rest: bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), line: 1, comments: true }
+    }
+
+    /// The words of a text in which `#` has no meaning.
+    pub(crate) fn without_comments(bytes: &'a [u8]) -> Self {
+        Self { comments: false, ..Self::new(bytes) }
+    }
+
+    /// What has not been read yet.
+    pub(crate) fn rest(&self) -> &'a [u8] {
+        self.rest
+    }
+
+    /// The number of the line read last.
+    pub(crate) fn line(&self) -> usize {
+        self.line
+    }
+
+    #[inline]
+    fn skip_blank(&mut self, within_line: bool) {
+        while let [first, rest @ ..] = self.rest {
+            match first {
+                b'#' if self.comments => {
+                    let end = rest.iter().position(|b| b"\n\r".contains(b)).unwrap_or(rest.len());
+                    self.rest = &rest[end..];
+                    continue;
+                }
+                b'\n' | b'\r' if within_line => return,
+                b'\n' => self.line += 1,
+                b'\r' if rest.first() != Some(&b'\n') => self.line += 1,
+                b if b.is_ascii_whitespace() => {}
+                _ => return,
+            }
+            self.rest = rest;
+        }
+    }
+
+    /// Whether no word follows on this line.
+    pub(crate) fn at_line_end(&mut self) -> bool {
+        self.skip_blank(true);
+        self.rest.first().is_none_or(|b| b"\n\r".contains(b))
+    }
+
+    /// Moves behind the end of this line, and gives what it still held.
+    pub(crate) fn take_line(&mut self) -> &'a [u8] {
+        let end = self.rest.iter().position(|b| b"\n\r".contains(b)).unwrap_or(self.rest.len());
+        let (text, rest) = self.rest.split_at(end);
+        self.line += usize::from(!rest.is_empty());
+        self.rest = match rest {
+            [b'\r', b'\n', rest @ ..] | [_, rest @ ..] => rest,
+            [] => rest,
+        };
+        text
+    }
+
+    /// Takes bytes that are no text; `None` when there are fewer.
+    pub(crate) fn take_bytes(&mut self, count: usize) -> Option<&'a [u8]> {
+        let (bytes, rest) = self.rest.split_at_checked(count)?;
+        self.rest = rest;
+        Some(bytes)
+    }
+
+    pub(crate) fn fault(&self, reason: impl Into<String>) -> Fault {
+        Fault::at(self.line, reason)
+    }
+
+    /// The next word, or a fault that says what the file ends before.
+    pub(crate) fn word(&mut self, what: &str) -> Result<&'a [u8], Fault> {
+        self.next().ok_or_else(|| {
+            self.fault(format!("the file ends before {what}; it is truncated; copy or export it again"))
+        })
+    }
+
+    /// The next word as a number; NaN and infinity are numbers too.
+    #[inline]
+    pub(crate) fn number(&mut self, what: &str) -> Result<f64, Fault> {
+        let word = self.word(what)?;
+        parse(word).ok_or_else(|| self.fault(format!("{what} is {}, not a number{}", show(word), hint(word))))
+    }
+
+    /// The next word as a whole number.
+    #[inline]
+    pub(crate) fn whole<T: std::str::FromStr>(&mut self, what: &str) -> Result<T, Fault> {
+        let word = self.word(what)?;
+        parse(word).ok_or_else(|| self.fault(format!("{what} is {}, not a whole number", show(word))))
+    }
+}
+
 /// A word as a number; numbers have a decimal point, whatever the locale.
 #[inline]
 pub(crate) fn parse<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
@@ -144,6 +256,20 @@ mod tests {
     fn lines_end_in_three_ways() {
         let lines: Vec<_> = Lines::new(b"a\nb\r\nc\rd").map(|l| (l.number, l.text)).collect();
         assert_eq!(lines, [(1, &b"a"[..]), (2, b"b"), (3, b"c"), (4, b"d")]);
+    }
+
+    #[test]
+    fn tokens_run_over_line_ends() {
+        let mut tokens = Tokens::new(b"\xef\xbb\xbfa # b\r\nc d\re\n\n f g\nh");
+        assert_eq!(tokens.next(), Some(&b"a"[..]));
+        assert!(tokens.at_line_end());
+        let found: Vec<_> =
+            std::iter::from_fn(|| tokens.next().map(|w| (w, tokens.line()))).take(4).collect();
+        assert_eq!(found, [(&b"c"[..], 2), (b"d", 2), (b"e", 3), (b"f", 5)]);
+        assert!(!tokens.at_line_end());
+        assert_eq!((tokens.take_line(), tokens.line()), (&b"g"[..], 6));
+        assert_eq!((tokens.next(), tokens.next()), (Some(&b"h"[..]), None));
+        assert_eq!(Tokens::without_comments(b"#a").next(), Some(&b"#a"[..]));
     }
 
     #[test]

@@ -2,17 +2,21 @@
 
 use std::path::{Path, PathBuf};
 
-use mser3d::Detector;
+use mser3d::{Detector, Parameters};
 use mser3d_collection::{
-    BatchParameters, BatchSummary, Frames, Shard, Tables, build_tables, plan, run_batch,
+    BatchParameters, BatchSummary, Frames, Plan, PlanParameters, Shard, Tables, build_tables, plan, run_batch,
 };
+use mser3d_meshio::ReadOptions;
+use mser3d_results::{Extra, ShapeFile, ShapeOptions};
 
+use crate::choice::choice;
 use crate::error::{CliError, print, print_json};
-use crate::input::InputArgs;
+use crate::input::reading;
 use crate::numbers::count;
 use crate::options::RegionOptions;
 use crate::progress::BatchMeter;
 use crate::run_options::RunOptions;
+use crate::volume_options::VolumeOptions;
 
 #[derive(clap::Args)]
 pub struct BatchArgs {
@@ -29,6 +33,12 @@ pub struct BatchArgs {
     /// Only make the tables, of the results that are there
     #[arg(long)]
     pub merge: bool,
+    /// Look into the folders in a folder, too
+    #[arg(long)]
+    pub recursive: bool,
+    /// Write this too, for each shape
+    #[arg(long, value_name = "WHAT,...", value_parser = choice::<Extra>(), value_delimiter = ',')]
+    pub write: Vec<Extra>,
     /// Shapes in parallel, as far as memory allows [default: one a thread]
     #[arg(long, value_name = "N", value_parser = count)]
     pub workers: Option<usize>,
@@ -48,6 +58,8 @@ pub struct BatchArgs {
     #[arg(long, value_name = "FILE", conflicts_with = "reference_measure", help_heading = "Method")]
     pub reference: Option<PathBuf>,
     #[command(flatten)]
+    pub volume: VolumeOptions,
+    #[command(flatten)]
     pub options: RegionOptions,
 }
 
@@ -55,45 +67,81 @@ pub fn run(args: &BatchArgs) -> Result<(), CliError> {
     args.run.use_threads()?;
     if args.merge {
         let tables = build_tables(&args.output)?;
-        return tell(args, &BatchSummary { tables: Some(tables), ..Default::default() });
+        let summary = BatchSummary { tables: Some(tables), ..Default::default() };
+        return tell(&args.run, args.json, &args.output, &Plan::default(), &summary);
     }
     let shard = args.shard.as_deref().map(str::parse::<Shard>).transpose();
     let shard = shard.map_err(|e| CliError::Usage(e.to_string()))?;
     let mut parameters = args.options.parameters()?;
     let frames = args.animation.clone().zip(args.fps).map(|(animation, rate)| Frames { animation, rate });
-    let jobs = plan(&args.inputs, frames.as_ref())?;
-    let domain = args.options.domain();
+    let planned = PlanParameters {
+        frames,
+        all_labels: args.volume.all_labels(),
+        recursive: args.recursive,
+        volumes: args.options.shape(&args.volume, ReadOptions::default())?,
+    };
+    let plan = plan(&args.inputs, &planned)?;
     if let Some(reference) = &args.reference {
-        let file = match jobs.first() {
+        let file = match plan.jobs.first() {
             Some(job) if reference == Path::new("first") => job.read()?,
-            _ => InputArgs { input: reference.clone(), animation: None, time: 0.0 }.read()?,
+            _ => ShapeFile::read(reference, &ShapeOptions::default()).map_err(reading)?,
         };
-        let scaled = parameters.with_scale_of(file.input(domain)?);
+        let scaled = parameters.with_scale_of(file.input(args.options.domain())?);
         parameters = scaled.map_err(|e| CliError::detection(&file.path, e))?;
     }
     let batch = BatchParameters {
         workers: args.workers.unwrap_or_else(rayon::current_num_threads),
         memory: parameters.spectrum.memory_limit.unwrap_or(u64::MAX),
+        extras: args.write.clone(),
         shard,
     };
-    let meter = BatchMeter::new(args.run.quiet);
-    let cache = args.options.cache()?;
+    let summary = run_plan(&args.run, &args.options, &args.output, &plan, parameters, &batch)?;
+    tell(&args.run, args.json, &args.output, &plan, &summary)
+}
+
+/// Runs a plan, and tells how far it is.
+pub fn run_plan(
+    run: &RunOptions,
+    options: &RegionOptions,
+    output: &Path,
+    plan: &Plan,
+    parameters: Parameters,
+    batch: &BatchParameters,
+) -> Result<BatchSummary, CliError> {
+    let meter = BatchMeter::new(run.quiet);
+    let cache = options.cache()?;
     let spectra = cache.as_ref().map(|cache| cache.source(|what| meter.warn(what)));
     let mut detector = Detector::new(parameters);
     if let Some(spectra) = &spectra {
         detector.spectra = spectra;
     }
-    let summary = run_batch(&args.output, jobs, domain, &detector, &batch, &|event| meter.report(&event));
+    let summary = run_batch(output, plan, options.domain(), &detector, batch, &|event| meter.report(&event));
     meter.finish();
-    tell(args, &summary?)
+    Ok(summary?)
 }
 
-fn tell(args: &BatchArgs, summary: &BatchSummary) -> Result<(), CliError> {
+/// Says what became of all shapes.
+pub fn tell(
+    run: &RunOptions,
+    json: bool,
+    output: &Path,
+    plan: &Plan,
+    summary: &BatchSummary,
+) -> Result<(), CliError> {
     let BatchSummary { computed, kept, failed, tables } = summary;
-    if args.json {
+    if !run.quiet {
+        for label in &plan.skipped {
+            let (path, name) = (&label.path, label.name.as_deref().unwrap_or_default());
+            eprintln!(
+                "mser3d: note: {path}: label {} {name} has only {} voxels and was left out",
+                label.label, label.voxels
+            );
+        }
+    }
+    if json {
         print_json(summary)?;
-    } else if !args.run.quiet {
-        let folder = args.output.display();
+    } else if !run.quiet {
+        let folder = output.display();
         let tables = match tables {
             Some(Tables { shapes, regions, failures }) => format!(
                 "{folder} has {regions} regions of {shapes} shapes in regions.parquet and shapes.parquet, \
@@ -101,7 +149,7 @@ fn tell(args: &BatchArgs, summary: &BatchSummary) -> Result<(), CliError> {
             ),
             None => format!("when all shards are done: mser3d batch --merge -o {folder}\n"),
         };
-        if !args.merge {
+        if computed + kept + failed.len() > 0 {
             print(&format!("{computed} shapes computed, {kept} kept, {} failed\n", failed.len()))?;
         }
         print(&tables)?;

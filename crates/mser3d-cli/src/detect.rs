@@ -2,9 +2,12 @@
 
 use std::path::PathBuf;
 
-use mser3d::Detector;
-use mser3d_results::{Results, ResultsFolder, Up};
+use mser3d::{Detector, Parameters};
+use mser3d_collection::{BatchParameters, Job, PlanParameters, plan, write_label_map};
+use mser3d_results::{Extra, Results, ResultsFolder, ShapeOptions, Up, VolumeFile};
 
+use crate::batch::{self, run_plan};
+use crate::choice::choice;
 use crate::error::{CliError, print};
 use crate::input::{InputArgs, folder_beside};
 use crate::interrupt;
@@ -13,17 +16,23 @@ use crate::progress::Meter;
 use crate::run_options::RunOptions;
 use crate::table;
 use crate::view::write_page;
+use crate::volume_options::VolumeOptions;
 
 #[derive(clap::Args)]
 pub struct DetectArgs {
     #[command(flatten)]
     pub input: InputArgs,
+    #[command(flatten)]
+    pub volume: VolumeOptions,
     /// Folder for the results; made if it isn't there [default: the input's name]
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// Write a page for the browser too, view.html in the folder
     #[arg(long)]
     pub html: bool,
+    /// Write this too
+    #[arg(long, value_name = "WHAT,...", value_parser = choice::<Extra>(), value_delimiter = ',')]
+    pub write: Vec<Extra>,
     /// Print the regions as JSON instead of a table
     #[arg(long)]
     pub json: bool,
@@ -35,15 +44,19 @@ pub struct DetectArgs {
 
 pub fn run(args: &DetectArgs) -> Result<(), CliError> {
     args.run.use_threads()?;
-    interrupt::listen();
     let parameters = args.options.parameters()?;
-    let file = args.input.read()?.with_pitch(parameters.voxelize.pitch)?;
+    let options = args.options.shape(&args.volume, args.input.pose())?;
+    if args.volume.all_labels() {
+        return all_labels(args, parameters, options);
+    }
+    let file = args.input.read(&options)?;
     args.options.check(&file)?;
     let output = match &args.output {
         Some(folder) => folder.clone(),
         None => folder_beside(&file.path, &["regions.json"])?,
     };
     let folder = ResultsFolder::create(&output)?;
+    interrupt::take_away(folder.made());
     let meter = Meter::new(args.run.quiet);
     let (cache, progress) = (args.options.cache()?, |p| meter.report(p));
     let spectra = cache.as_ref().map(|cache| cache.source(|what| meter.warn(what)));
@@ -55,7 +68,7 @@ pub fn run(args: &DetectArgs) -> Result<(), CliError> {
     meter.finish();
     let features = features.map_err(|source| CliError::detection(&file.path, source))?;
     let results = Results::of_file(&features, &file)?;
-    folder.write(&results)?;
+    folder.write(&results, &args.write)?;
     tracing::info!(folder = %output.display(), "wrote");
     if !args.run.quiet {
         let warn = |what: &String| eprintln!("mser3d: warning: {}: {what}", file.path.display());
@@ -71,4 +84,45 @@ pub fn run(args: &DetectArgs) -> Result<(), CliError> {
     } else {
         Ok(())
     }
+}
+
+/// Each label of a label map as a shape of its own, in a collection of its own.
+fn all_labels(args: &DetectArgs, parameters: Parameters, volumes: ShapeOptions) -> Result<(), CliError> {
+    if args.html || args.options.surface {
+        return Err(CliError::Usage(
+            "--html and --surface are for one shape; view each label's folder with mser3d view".into(),
+        ));
+    }
+    let file = &args.input.input;
+    if let Some(option) = args.options.voxels.first_given() {
+        return Err(CliError::Usage(format!("{option} needs a mesh; a volume is voxels already")));
+    }
+    // What is wrong with the file is said before a folder is made.
+    VolumeFile::read(file, &volumes)?.labels(volumes.body.volume)?;
+    let output = match &args.output {
+        Some(folder) => folder.clone(),
+        None => folder_beside(file, &["labels.csv"])?,
+    };
+    let plan = plan(
+        std::slice::from_ref(file),
+        &PlanParameters { all_labels: true, volumes, ..Default::default() },
+    )?;
+    let batch = BatchParameters {
+        workers: rayon::current_num_threads(),
+        memory: parameters.spectrum.memory_limit.unwrap_or(u64::MAX),
+        extras: args.write.clone(),
+        shard: None,
+    };
+    let summary = run_plan(&args.run, &args.options, &output, &plan, parameters, &batch)?;
+    if !args.write.is_empty() && summary.computed + summary.kept > 0 {
+        let done = |job: &&Job| !summary.failed.iter().any(|f| f.name == job.name);
+        let shapes: Vec<String> = plan.jobs.iter().filter(done).map(|job| job.name.clone()).collect();
+        let contested = write_label_map(&output, &shapes)?;
+        if contested > 0 && !args.run.quiet {
+            eprintln!(
+                "mser3d: warning: {contested} voxels are in regions of several layers; regions.nii.gz has the last"
+            );
+        }
+    }
+    batch::tell(&args.run, args.json, &output, &plan, &summary)
 }

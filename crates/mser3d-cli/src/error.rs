@@ -6,6 +6,7 @@ use mser3d::voxelize::VoxelizeError;
 use mser3d_collection::CollectionError;
 use mser3d_results::ResultsError;
 use mser3d_viewer::ViewerError;
+use mser3d_volumeio::BodyError;
 
 /// Why a command failed. Displayed as one line on stderr.
 #[derive(Debug, thiserror::Error)]
@@ -55,12 +56,15 @@ impl CliError {
     pub fn exit_code(&self) -> ExitCode {
         let wrong_use = match self {
             Self::Usage(_) => true,
+            Self::Results(ResultsError::Body { error, .. }) => !matches!(error, BodyError::Empty { .. }),
             Self::Results(error) => matches!(
                 error,
                 ResultsError::Viewer(ViewerError::InvalidParameter(_))
                     | ResultsError::Export { .. }
                     | ResultsError::NoMesh { .. }
                     | ResultsError::NoOrder { .. }
+                    | ResultsError::NoVolume { .. }
+                    | ResultsError::InvalidParameter(_)
             ),
             Self::Collection(error) => matches!(
                 error,

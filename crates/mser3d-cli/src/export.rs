@@ -11,11 +11,15 @@ pub struct ExportArgs {
     /// Folder that `mser3d detect` wrote
     pub folder: PathBuf,
     /// File to write, coloured by region; its ending says the format: .glb (Blender, browsers), .ply,
-    /// .vtp (surface, for ParaView) or .vti (voxels, for ParaView)
+    /// .vtp (surface, for ParaView), .vti (voxels, for ParaView), .nii.gz (label map on the input's grid) or .mrk.json
+    /// (landmarks for 3D Slicer)
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
 }
 
 pub fn run(args: &ExportArgs) -> Result<(), CliError> {
-    Ok(Results::load(&args.folder)?.export(&args.output)?)
+    for note in Results::load(&args.folder)?.export(&args.output)? {
+        eprintln!("mser3d: note: {}: {note}", args.output.display());
+    }
+    Ok(())
 }

@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use mser3d_meshio::{MeshIoError, ReadOptions};
-use mser3d_results::{ResultsError, ShapeFile};
+use mser3d_results::{ResultsError, ShapeFile, ShapeOptions};
 
 use crate::error::CliError;
 
 /// Which file, and which pose in it.
 #[derive(clap::Args, Clone, Debug)]
 pub struct InputArgs {
-    /// Mesh (.obj .gltf .glb .off .ply .stl), or a solid as a voxel mask: .npy, indexed [x, y, z], .nii,
-    /// .nii.gz, .nrrd or .tif, whose voxels that are not 0 are inside
+    /// Mesh (.obj .gltf .glb .off .ply .stl), or a volume: a mask, a label map (--label) or grey values (--threshold), as
+    /// .nii, .nii.gz, .nrrd, .tif or .npy, indexed [x, y, z]
     pub input: PathBuf,
     /// glTF animation that poses the figure, by name or number from 0
     #[arg(long, value_name = "NAME", help_heading = "Input")]
@@ -22,13 +22,22 @@ pub struct InputArgs {
 }
 
 impl InputArgs {
-    pub fn read(&self) -> Result<ShapeFile, CliError> {
-        let pose = ReadOptions { animation: self.animation.clone(), time: self.time };
-        ShapeFile::read(&self.input, &pose).map_err(|error| match error {
-            // Its options are named after it.
-            ResultsError::Mesh(MeshIoError::InvalidParameter(error)) => CliError::Usage(format!("--{error}")),
-            error => error.into(),
-        })
+    /// The frame of an animation.
+    pub fn pose(&self) -> ReadOptions {
+        ReadOptions { animation: self.animation.clone(), time: self.time }
+    }
+
+    pub fn read(&self, options: &ShapeOptions) -> Result<ShapeFile, CliError> {
+        ShapeFile::read(&self.input, options).map_err(reading)
+    }
+}
+
+/// An error of reading a shape.
+pub fn reading(error: ResultsError) -> CliError {
+    match error {
+        // Its options are named after it.
+        ResultsError::Mesh(MeshIoError::InvalidParameter(error)) => CliError::Usage(format!("--{error}")),
+        error => error.into(),
     }
 }
 

@@ -5,13 +5,16 @@ use mser3d::voxelize::Pitch;
 use mser3d_results::Inspection;
 
 use crate::error::{CliError, print, print_json};
-use crate::input::InputArgs;
+use crate::input::{InputArgs, reading};
 use crate::numbers::count;
+use crate::volume_options::VolumeOptions;
 
 #[derive(clap::Args)]
 pub struct InspectArgs {
     #[command(flatten)]
     pub input: InputArgs,
+    #[command(flatten)]
+    pub volume: VolumeOptions,
     /// Voxels that the estimate of memory and time is for [default: those of a run, or of the mask]
     #[arg(long, value_name = "N", value_parser = count)]
     pub voxels: Option<usize>,
@@ -31,6 +34,7 @@ pub fn run(args: &InspectArgs) -> Result<(), CliError> {
     if let Some(eigenpairs) = args.eigenpairs {
         parameters.spectrum.eigenpairs = eigenpairs.into();
     }
-    let inspection = Inspection::new(&args.input.read()?, &parameters);
+    let options = args.volume.shape(args.input.pose(), None, None)?;
+    let inspection = Inspection::of_file(&args.input.input, &options, &parameters).map_err(reading)?;
     if args.json { print_json(&inspection) } else { print(&inspection.describe()) }
 }

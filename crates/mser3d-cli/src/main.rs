@@ -23,6 +23,7 @@ mod shell;
 mod table;
 mod version;
 mod view;
+mod volume_options;
 mod voxel_options;
 mod voxelize;
 
@@ -59,7 +60,7 @@ enum Command {
     /// Find the stable regions of a shape and write them to a folder
     #[command(allow_negative_numbers = true)]
     Detect(Box<detect::DetectArgs>),
-    /// Say what a mesh file holds, what is wrong with it, and what a run would take
+    /// Say what a mesh or volume holds, what is wrong with it, and what a run would take
     #[command(allow_negative_numbers = true)]
     Inspect(inspect::InspectArgs),
     /// Turn a mesh into a voxel mask for other tools
@@ -92,6 +93,7 @@ enum Command {
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
+    interrupt::listen();
     let result = log::start(cli.verbose).and_then(|()| match &cli.command {
         Command::Detect(args) => detect::run(args),
         Command::Inspect(args) => inspect::run(args),

@@ -4,18 +4,21 @@ use std::path::PathBuf;
 
 use mser3d::comptree::{Contrast, MsvParameters};
 use mser3d::shape::Connectivity;
-use mser3d_results::ResultsError;
 use mser3d_results::msv::{MSV_RECORD, MsvResults, MsvSearchParameters};
-use mser3d_volumeio::{VolumeFormat, read_volume};
+use mser3d_results::{ResultsError, ShapeOptions, VolumeFile};
+use mser3d_volumeio::{PlacementParameters, VolumeFormat, read_affine};
 
 use crate::choice::choice;
 use crate::error::{CliError, print};
 use crate::input::folder_beside;
+use crate::numbers::positive;
+use crate::voxel_options::triple;
 
 #[derive(clap::Args)]
 pub struct MsvArgs {
     /// Grey values: .npy ([x, y], [x, y, z] or [x, y, z, channel]), .nii, .nii.gz, .nrrd, .tif or .tiff
-    pub volume: PathBuf,
+    #[arg(value_name = "VOLUME")]
+    pub input: PathBuf,
     /// Folder for msv.json, regions.csv, and labels.vti and labels.npy (a channel for each kind of region; the
     /// number of the smallest region, -1 for none); made if it isn't there [default: the volume's name]
     #[arg(short, long, value_name = "DIR")]
@@ -43,17 +46,38 @@ pub struct MsvArgs {
     #[arg(long, value_parser = choice::<Connectivity>(),
           default_value_t = MsvSearchParameters::default().connectivity)]
     pub connectivity: Connectivity,
+    /// Which volume of a file that holds several (times, frames, components), from 0
+    #[arg(long, value_name = "N")]
+    pub volume: Option<usize>,
+    /// Distances of the voxels along the axes, in place of the file's
+    #[arg(long, value_name = "X,Y,Z", value_parser = positive, value_delimiter = ',')]
+    pub spacing: Vec<f64>,
+    /// Centre of the first voxel, in place of the file's
+    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true)]
+    pub origin: Vec<f64>,
+    /// Voxel-to-world map in place of the file's: a text or .npy file of 4 x 4 numbers
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["spacing", "origin"])]
+    pub affine: Option<PathBuf>,
     /// No table on stdout
     #[arg(short, long)]
     pub quiet: bool,
 }
 
 pub fn run(args: &MsvArgs) -> Result<(), CliError> {
-    if VolumeFormat::of(&args.volume).is_none() {
-        let name = args.volume.display();
+    if VolumeFormat::of(&args.input).is_none() {
+        let name = args.input.display();
         return Err(CliError::Usage(format!("{name}: a volume is one of {}", VolumeFormat::LIST)));
     }
-    let volume = read_volume(&args.volume)?;
+    let placement = PlacementParameters {
+        spacing: triple("--spacing", &args.spacing)?,
+        origin: triple("--origin", &args.origin)?,
+        affine: args.affine.as_deref().map(read_affine).transpose()?,
+    };
+    let file = VolumeFile::read(&args.input, &ShapeOptions { placement, ..Default::default() })?;
+    let notes = file.loaded.notes.clone();
+    let body = |error| ResultsError::Body { path: args.input.clone(), error };
+    let volume = file.loaded.grey(args.volume).map_err(body)?;
+    volume.frame().map_err(|error| ResultsError::Placement { path: args.input.clone(), error })?;
     let parameters = MsvSearchParameters {
         contrasts: args.regions.clone(),
         delta: args.delta,
@@ -66,22 +90,23 @@ pub fn run(args: &MsvArgs) -> Result<(), CliError> {
         },
         connectivity: args.connectivity,
     };
-    let found = MsvResults::find(&volume, &args.volume.to_string_lossy(), &parameters);
+    let found = MsvResults::find(&volume, &args.input.to_string_lossy(), &parameters);
     let found = found.map_err(|error| match error {
         ResultsError::Tree(mser3d::comptree::TreeError::InvalidParameter(error)) => {
             CliError::Usage(format!("wrong parameter: {error}"))
         }
-        ResultsError::Tree(error) => CliError::detection(&args.volume, error.into()),
+        ResultsError::Tree(error) => CliError::detection(&args.input, error.into()),
         error => error.into(),
     })?;
     let folder = match &args.output {
         Some(folder) => folder.clone(),
-        None => folder_beside(&args.volume, &[MSV_RECORD])?,
+        None => folder_beside(&args.input, &[MSV_RECORD])?,
     };
     found.write(&folder)?;
     if args.quiet {
         return Ok(());
     }
+    notes.iter().for_each(|note| eprintln!("mser3d: note: {}: {note}", args.input.display()));
     let line = |search: &mser3d_results::msv::MsvSearch| {
         format!("{} regions: {}\n", search.contrast, search.regions.len())
     };

@@ -7,13 +7,15 @@ use mser3d::comptree::{AltitudeScale, Polarity, PoolParameters, StabilityParamet
 use mser3d::descriptors::TimeScale;
 use mser3d::shape::Domain;
 use mser3d::spectral::{EigenpairRange, Eigensolver, SpectrumParameters};
-use mser3d::{DescriptorKind, Parameters, Weight, available_memory};
+use mser3d::{Bodies, DescriptorKind, Parameters, Weight, available_memory};
 use mser3d_collection::SpectrumCache;
-use mser3d_results::ShapeFile;
+use mser3d_meshio::ReadOptions;
+use mser3d_results::{ShapeFile, ShapeOptions};
 
 use crate::choice::choice;
 use crate::error::CliError;
 use crate::numbers::{count, fraction, positive};
+use crate::volume_options::VolumeOptions;
 use crate::voxel_options::VoxelOptions;
 
 /// Options of everything that computes regions.
@@ -45,6 +47,9 @@ pub struct RegionOptions {
     /// poses of a body that of one [default: the shape's own]
     #[arg(long, value_name = "MEASURE", value_parser = positive, help_heading = "Method")]
     pub reference_measure: Option<f64>,
+    /// What to do with a shape of several bodies
+    #[arg(long, value_parser = choice::<Bodies>(), default_value_t = Bodies::default(), help_heading = "Method")]
+    pub bodies: Bodies,
     /// Which way the tree grows [default: the one that finds limbs]
     #[arg(long, value_parser = choice::<Polarity>(), help_heading = "Method")]
     pub polarity: Option<Polarity>,
@@ -120,6 +125,7 @@ impl RegionOptions {
         let defaults = SpectrumParameters::default();
         let free = || available_memory().map(|m| m / 5 * 4);
         let parameters = Parameters {
+            bodies: self.bodies,
             voxelize: self.voxels.parameters()?,
             spectrum: SpectrumParameters {
                 eigenpairs: match (self.eigenpairs, self.lambda_max) {
@@ -157,6 +163,11 @@ impl RegionOptions {
         Ok(parameters)
     }
 
+    /// How a shape is read.
+    pub fn shape(&self, volume: &VolumeOptions, pose: ReadOptions) -> Result<ShapeOptions, CliError> {
+        volume.shape(pose, self.voxels.volume_spacing()?, self.voxels.volume_origin()?)
+    }
+
     /// Refuses options that the file has no use for.
     pub fn check(&self, file: &ShapeFile) -> Result<(), CliError> {
         if file.mesh().is_some() {
@@ -165,7 +176,7 @@ impl RegionOptions {
         file.input(self.domain())?;
         match self.voxels.first_given() {
             Some(option) => {
-                Err(CliError::Usage(format!("{option} needs a mesh; a voxel mask is voxels already")))
+                Err(CliError::Usage(format!("{option} needs a mesh; a volume is voxels already")))
             }
             None => Ok(()),
         }

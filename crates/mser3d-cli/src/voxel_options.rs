@@ -17,13 +17,14 @@ pub struct VoxelOptions {
     /// Voxels on the longest axis
     #[arg(long, value_name = "N", value_parser = count, group = "size")]
     resolution: Option<usize>,
-    /// Edge of a voxel, in the input's units (of a .npy mask: 1 by default)
+    /// Edge of a voxel, in the input's units; of a volume, in place of its file's
     #[arg(long, value_name = "H", value_parser = positive, group = "size")]
     pitch: Option<f64>,
-    /// Lengths of a voxel along the axes, in the input's units
+    /// Lengths of a voxel along the axes, in the input's units; of a volume, in place of its file's
     #[arg(long, value_name = "X,Y,Z", value_parser = positive, value_delimiter = ',', group = "size")]
     spacing: Vec<f64>,
-    /// First corner of the grid, to share it with another tool [default: a voxel below the lowest coordinates]
+    /// First corner of the grid, to share it with another tool [default: that of a grid around the body's middle]; of a
+    /// volume, the centre of its first voxel, in place of its file's
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true)]
     origin: Vec<f64>,
     /// Neighbours of a voxel in the tree (the Laplacian has 6)
@@ -47,13 +48,21 @@ pub struct VoxelOptions {
 }
 
 impl VoxelOptions {
-    /// The first option that makes voxels of a mesh, which a mask or a surface has no use for.
+    /// Distance of a volume's voxels.
+    pub fn volume_spacing(&self) -> Result<Option<[f64; 3]>, CliError> {
+        Ok(triple("--spacing", &self.spacing)?.or(self.pitch.map(|h| [h; 3])))
+    }
+
+    /// Centre of a volume's first voxel.
+    pub fn volume_origin(&self) -> Result<Option<[f64; 3]>, CliError> {
+        triple("--origin", &self.origin)
+    }
+
+    /// The first option that makes voxels of a mesh, which a volume has no use for.
     pub fn first_given(&self) -> Option<&'static str> {
         let options = [
             ("--voxels", self.voxels.is_some()),
             ("--resolution", self.resolution.is_some()),
-            ("--spacing", !self.spacing.is_empty()),
-            ("--origin", !self.origin.is_empty()),
             ("--inside", self.inside != InsideTest::default()),
             ("--overlap", self.overlap != Overlap::default()),
             ("--no-cut-links", self.no_cut_links),
@@ -89,7 +98,7 @@ impl VoxelOptions {
 }
 
 /// One number for each axis, or none at all.
-fn triple(option: &str, numbers: &[f64]) -> Result<Option<[f64; 3]>, CliError> {
+pub fn triple(option: &str, numbers: &[f64]) -> Result<Option<[f64; 3]>, CliError> {
     match numbers {
         [] => Ok(None),
         &[x, y, z] => Ok(Some([x, y, z])),

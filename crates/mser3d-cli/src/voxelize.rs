@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use mser3d::voxelize::{Voxelization, voxelize};
-use mser3d_results::VoxelizationRecord;
-use mser3d_volumeio::{Placement, Volume, VolumeFormat, write_nifti, write_npy};
+use mser3d_results::{ShapeOptions, VoxelizationRecord};
+use mser3d_volumeio::{Volume, VolumeFormat, write_nifti, write_npy};
 use serde::Serialize;
 
 use crate::error::{CliError, print, print_json};
@@ -37,15 +37,13 @@ pub fn run(args: &VoxelizeArgs) -> Result<(), CliError> {
         }
     };
     let parameters = args.options.parameters()?;
-    let file = args.input.read()?;
+    let file = args.input.read(&ShapeOptions { pose: args.input.pose(), ..Default::default() })?;
     let Some(mesh) = file.mesh() else {
-        return Err(CliError::Usage(format!("{}: a mask is voxels already", file.path.display())));
+        return Err(CliError::Usage(format!("{}: a volume is voxels already", file.path.display())));
     };
     let solid = voxelize(mesh, &parameters).map_err(|e| CliError::detection(&file.path, e.into()))?;
     let frame = solid.grid.frame();
-    let placement =
-        Placement { origin: frame.centre([0; 3]), spacing: frame.spacing(), ..Default::default() };
-    write(&output, &Volume::from_mask(solid.grid.occupancy(), placement)?)?;
+    write(&output, &Volume::from_mask(solid.grid.occupancy(), frame.affine())?)?;
     for warning in &solid.warnings {
         eprintln!("mser3d: warning: {}: {warning}", file.path.display());
     }

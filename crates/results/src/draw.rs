@@ -167,6 +167,8 @@ impl Results {
     /// These results as one shape of a page.
     pub fn page_shape(&self, name: &str) -> PageShape<'_> {
         let colours = self.colours();
+        // Trees of several bodies do not share a level.
+        let one = self.record.bodies.len() == 1;
         let regions = self.record.regions.iter().enumerate().map(|(id, r)| PageRegion {
             colour: colours[id],
             parent: r.parent,
@@ -176,16 +178,17 @@ impl Results {
             volume_fraction: r.volume_fraction,
             vertices: &self.region_vertices[id],
             voxels: &self.region_voxels[id],
-            node: self.node(id).map(|node| [r.tree, node]),
+            node: self.node(id).filter(|_| one).map(|node| [r.tree, node]),
         });
-        let trees = self.record.trees.iter().zip(&self.trees).map(|(record, tree)| PageTree {
-            name: tree_name(record.time_scale),
-            superlevel: record.polarity == Polarity::Superlevel,
-            parents: &tree.parents,
-            altitudes: &tree.altitudes,
-            volumes: &tree.volumes,
-            entry: &tree.entry,
-        });
+        let trees =
+            self.record.trees.iter().zip(&self.trees).filter(|_| one).map(|(record, tree)| PageTree {
+                name: tree_name(record.time_scale),
+                superlevel: record.polarity == Polarity::Superlevel,
+                parents: &tree.parents,
+                altitudes: &tree.altitudes,
+                volumes: &tree.volumes,
+                entry: &tree.entry,
+            });
         PageShape {
             name: name.to_owned(),
             mesh: &self.mesh,
@@ -211,7 +214,7 @@ impl Results {
             facts.push(fact("voxels", grid.len().to_string()));
             facts.push(fact("pitch", format!("{:.4}", grid.frame().spacing()[0])));
         }
-        facts.push(fact("eigenpairs", self.eigenvalues.len().to_string()));
+        facts.push(fact("eigenpairs", self.eigenvalues.iter().map(Vec::len).sum::<usize>().to_string()));
         if !self.record.input.path.is_empty() {
             facts.push(fact("input", self.record.input.path.clone()));
         }

@@ -48,14 +48,46 @@ pub enum ResultsError {
         /// What is wrong.
         reason: String,
     },
-    /// A mask without a voxel.
-    #[error("{}: the mask is zero everywhere: there is no solid", path.display())]
-    EmptyMask {
+    /// The ending belongs to no known format.
+    #[error("{source}; of volumes {}", mser3d_volumeio::VolumeFormat::LIST)]
+    UnknownFormat {
+        /// What the reader of meshes says.
+        source: mser3d_meshio::MeshIoError,
+    },
+    /// A volume does not say what its body is.
+    #[error("{}: {error}", path.display())]
+    Body {
         /// The file.
         path: PathBuf,
+        /// Why, and what to do.
+        #[source]
+        error: mser3d_volumeio::BodyError,
     },
-    /// Something that only meshes have was asked of a mask.
-    #[error("{}: {option} needs a mesh, and this is a voxel mask", path.display())]
+    /// The voxels of a volume do not lie on a grid with right angles.
+    #[error("{}: {error}", path.display())]
+    Placement {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, and what to do.
+        #[source]
+        error: mser3d_shape::ShapeError,
+    },
+    /// A parameter out of range.
+    #[error(transparent)]
+    InvalidParameter(#[from] mser3d_shape::InvalidParameter),
+    /// Something that only volumes have was asked of a mesh.
+    #[error("{}: {option} needs a volume (mask or label map), and this is a mesh", path.display())]
+    NoVolume {
+        /// The file.
+        path: PathBuf,
+        /// What was asked for, as an option of the command line.
+        option: &'static str,
+    },
+    /// A label map of results that are not on one grid.
+    #[error("the results are not on one grid of voxels, so that no label map can hold them")]
+    OtherGrid,
+    /// Something that only meshes have was asked of a volume.
+    #[error("{}: {option} needs a mesh, and this is a volume", path.display())]
     NoMesh {
         /// The file.
         path: PathBuf,

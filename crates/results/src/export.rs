@@ -5,6 +5,8 @@ use mser3d_meshio::{
 };
 use mser3d_viewer::NO_REGION;
 
+use crate::label_map::LabelMap;
+use crate::landmarks::write_landmarks;
 use crate::{Results, ResultsError};
 
 impl Results {
@@ -16,6 +18,10 @@ impl Results {
     /// | `.ply` | MeshLab, Blender | the mesh; colour and `region` per vertex |
     /// | `.vtp` | ParaView | the mesh; `color` and `region` per point |
     /// | `.vti` | ParaView | the voxels; `region` and `inside` per cell |
+    /// | `.nii`, `.nii.gz` | Slicer, ITK-SNAP, nibabel | the voxels on the grid of the input; 1 + the number of the region, 0 for none |
+    /// | `.mrk.json` | Slicer | the regions' centres and tips |
+    ///
+    /// Returns what its user should know of the file, such as places that its numbers could not keep apart.
     ///
     /// Of a solid given as voxels, the mesh is the outer faces of its voxels. `region` is the innermost
     /// region, -1 for none.
@@ -23,29 +29,46 @@ impl Results {
     /// # Errors
     /// [`ResultsError::Export`] for another ending, or for `.vti` when there are no voxels;
     /// [`ResultsError::File`], naming the file.
-    pub fn export(&self, path: &Path) -> Result<(), ResultsError> {
+    pub fn export(&self, path: &Path) -> Result<Vec<String>, ResultsError> {
+        let none = Vec::new();
         let refuse = |reason| ResultsError::Export { path: path.to_owned(), reason };
+        let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        if name.ends_with(".mrk.json") {
+            write_landmarks(path, &[(String::new(), &self.record)])?;
+            return Ok(none);
+        }
+        if name.ends_with(".nii") || name.ends_with(".nii.gz") {
+            let no_grid = "the regions were found on a surface, there are no voxels; write .ply";
+            self.grid.as_ref().ok_or_else(|| refuse(no_grid))?;
+            LabelMap::new(&[(self, 0)])?.write(path)?;
+            return Ok(none);
+        }
         let ending = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
         match ending.as_deref() {
-            Some("glb") => Ok(self.with_attributes(|a| write_glb(path, &self.mesh, a))?),
-            Some("ply") => Ok(self.with_attributes(|a| write_ply(path, &self.mesh, a))?),
-            Some("vtp") => Ok(self.with_attributes(|a| write_vtp(path, &self.mesh, a))?),
+            Some("glb") => return Ok(self.with_attributes(|a| write_glb(path, &self.mesh, a))?),
+            Some("ply") => self.with_attributes(|a| write_ply(path, &self.mesh, a))?,
+            Some("vtp") => self.with_attributes(|a| write_vtp(path, &self.mesh, a))?,
             Some("vti") => {
-                let none = "the regions were found on a surface, there are no voxels; write .vtp";
-                let grid = self.grid.as_ref().ok_or_else(|| refuse(none))?;
+                let no_grid = "the regions were found on a surface, there are no voxels; write .vtp";
+                let grid = self.grid.as_ref().ok_or_else(|| refuse(no_grid))?;
                 let regions = self.voxel_region();
                 let field = VoxelField { name: "region", values: VoxelValues::Labels(&regions) };
-                Ok(write_vti(path, grid, &[field])?)
+                write_vti(path, grid, &[field])?;
             }
-            _ => Err(refuse("no such format; end the name in .glb, .ply, .vtp or .vti")),
+            _ => {
+                return Err(refuse(
+                    "no such format; end the name in .glb, .ply, .vtp, .vti, .nii.gz or .mrk.json",
+                ));
+            }
         }
+        Ok(none)
     }
 
     /// Calls a writer of meshes with the colour and region of each vertex.
-    fn with_attributes(
+    fn with_attributes<T>(
         &self,
-        write: impl FnOnce(&VertexAttributes<'_>) -> Result<(), MeshIoError>,
-    ) -> Result<(), MeshIoError> {
+        write: impl FnOnce(&VertexAttributes<'_>) -> Result<T, MeshIoError>,
+    ) -> Result<T, MeshIoError> {
         let regions = self.vertex_region();
         let colours = self.colours();
         let colour = |&label: &i32| usize::try_from(label).map_or(NO_REGION, |l| colours[l]).0;

@@ -2,7 +2,9 @@ use std::cell::Cell;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::{Results, ResultsError};
+use mser3d_fileio::Writing;
+
+use crate::{Extra, Results, ResultsError};
 
 /// A folder that will hold a whole result or none.
 ///
@@ -30,13 +32,19 @@ impl ResultsFolder {
         Ok(folder)
     }
 
-    /// Writes a result, in place of an older one. `regions.json` is the first file to go and the last to appear: while
-    /// it is there, the others belong to it.
+    /// The folders that were made, innermost first.
+    pub fn made(&self) -> &[PathBuf] {
+        &self.made
+    }
+
+    /// Writes a result, in place of an older one, and with it what is asked for besides. `regions.json` is the first file
+    /// to go and the last to appear: while it is there, the others belong to it.
     ///
     /// # Errors
     /// [`ResultsError::Io`], [`ResultsError::File`] or [`ResultsError::Mesh`], naming the file.
-    pub fn write(&self, results: &Results) -> Result<(), ResultsError> {
-        results.write_files(&self.path)?;
+    pub fn write(&self, results: &Results, extras: &[Extra]) -> Result<(), ResultsError> {
+        let _whole = Writing::begin();
+        results.write_files(&self.path, extras)?;
         self.done.set(true);
         Ok(())
     }

@@ -24,11 +24,11 @@
 //! | `region_voxels`, `region_voxels_start` | as above | voxels of each region |
 //! | `voxel_index` | uint32, voxels x 3 | place of each voxel in the grid, x fastest |
 //! | `voxel_region` | int32, voxels | innermost region of each voxel, -1 for none |
-//! | `grid_origin`, `pitch` | float64, 3; a number (or 3) | a voxel's centre is `grid_origin + pitch * (index + 0.5)` |
-//! | `eigenvalues` | float64 | in length^-2 |
+//! | `grid_affine` | float64, 4 x 4 | index to world: a voxel's centre is `grid_affine @ (i, j, k, 1)` |
+//! | `eigenvalues`, `body1_eigenvalues`, ... | float64 | in length^-2; of the largest body, and of the others that were searched on their own |
 //! | `region_descriptor` | float64, regions x q | rows in the order of `regions.json` |
 //! | `tree0_parent`, `tree0_altitude`, `tree0_volume`, ... | int32, float64, float64, nodes | a component tree, children first; -1 for a root |
-//! | `tree0_entry`, ... | uint32, voxels or vertices | the node in which each enters |
+//! | `tree0_entry`, ... | int32, voxels or vertices | the node in which each enters; -1 for those of other bodies |
 //! | `file_vertex` | uint32, vertices of the file | the mesh's vertex (files that repeat vertices only) |
 //!
 //! ```
@@ -61,21 +61,33 @@ mod error;
 mod export;
 mod folder;
 mod inspect;
+mod label_map;
+mod landmarks;
 mod load;
 pub mod msv;
+mod oriented_box;
 mod record;
 mod results;
 mod shape_file;
+mod volume_file;
 mod write;
 
 pub use draw::{RegionPair, matched_colours};
 pub use error::ResultsError;
 pub use folder::ResultsFolder;
-pub use inspect::{Inspection, MaskRecord};
+pub use inspect::{Inspection, ValuesRecord};
+pub use label_map::LabelMap;
+pub use landmarks::write_landmarks;
 pub use mser3d_viewer::{Image, RenderOptions, Up};
-pub use record::{FORMAT, InputRecord, Record, RegionRecord, SpectrumRecord, TreeRecord, VoxelizationRecord};
+pub use oriented_box::OrientedBox;
+pub use record::{
+    FORMAT, GridRecord, InputRecord, Record, RegionRecord, SearchedBodyRecord, SpectrumRecord, TreeRecord,
+    VoxelizationRecord,
+};
 pub use results::{Results, TreeArrays};
-pub use shape_file::{Contents, ShapeFile};
+pub use shape_file::{Contents, ShapeFile, ShapeOptions};
+pub use volume_file::{BodyRecord, SolidVolume, VolumeFile, VolumeRecord};
+pub use write::Extra;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -8,7 +8,8 @@ use mser3d_shape::{BitGrid, Domain, Frame, TriangleMesh, VoxelGrid};
 use serde::Deserialize;
 
 use crate::msv::MSV_RECORD;
-use crate::{FORMAT, Record, Results, ResultsError, TreeArrays};
+use crate::write::eigenvalues_name;
+use crate::{FORMAT, GridRecord, Record, Results, ResultsError, TreeArrays};
 
 impl Results {
     /// Reads a folder that [`Results::write`] wrote, and checks that its files belong together.
@@ -23,13 +24,17 @@ impl Results {
         let path = folder.join("features.npz");
         let mut arrays = Arrays { arrays: read_npz(&path)?, path };
         let regions = record.regions.len();
-        let eigenvalues = arrays.take("eigenvalues", numbers)?;
+        let eigenvalues = (0..record.bodies.len()).map(|body| arrays.take(&eigenvalues_name(body), numbers));
+        let eigenvalues = eigenvalues.collect::<Result<_, _>>()?;
         let descriptors = arrays.take("region_descriptor", numbers)?;
         let descriptor_width = descriptors.len().checked_div(regions).unwrap_or(0);
         arrays.length("region_descriptor", descriptors.len(), regions * descriptor_width)?;
         let (mut grid, mut region_voxels) = (None, vec![Vec::new(); regions]);
         if record.domain == Domain::Volume {
-            let solid = arrays.grid()?;
+            let Some(own) = &record.grid else {
+                return Err(arrays.broken("regions.json has no grid for its voxels".into()));
+            };
+            let solid = arrays.grid(own)?;
             region_voxels = arrays.lists("region_voxels", regions, solid.len())?;
             grid = Some(solid);
         }
@@ -191,26 +196,23 @@ impl Arrays {
         cut.ok_or_else(|| self.broken(format!("array {name}_start does not ascend")))
     }
 
-    fn grid(&mut self) -> Result<VoxelGrid, ResultsError> {
+    fn grid(&mut self, grid: &GridRecord) -> Result<VoxelGrid, ResultsError> {
         let index = self.indices("voxel_index", 1 << 24)?;
         let (index, rest) = index.as_chunks::<3>();
-        let origin = self.take("grid_origin", numbers)?;
-        let pitch = self.take("pitch", numbers)?;
-        let origin: Option<[f64; 3]> = origin.try_into().ok();
-        let pitch: Option<[f64; 3]> = match pitch[..] {
-            [h] => Some([h; 3]),
-            _ => pitch.try_into().ok(),
-        };
-        let (Some(origin), Some(pitch), true) = (origin, pitch, rest.is_empty()) else {
-            return Err(self.broken("the arrays of the grid have wrong shapes".into()));
-        };
-        let dims = std::array::from_fn(|a| index.iter().map(|v| v[a] as usize + 1).max().unwrap_or(0));
+        let affine = self.take("grid_affine", numbers)?;
+        if affine != grid.affine.matrix().as_flattened() || !rest.is_empty() {
+            return Err(self.broken("the arrays of the grid are not those of regions.json".into()));
+        }
+        let dims = grid.dims;
+        if let Some(v) = index.iter().find(|v| (0..3).any(|a| v[a] as usize >= dims[a])) {
+            return Err(self.broken(format!("array voxel_index names voxel {v:?}, beyond {dims:?}")));
+        }
         let mut inside = BitGrid::empty(dims)?;
         index.iter().for_each(|&v| inside.set(v, true));
         if !inside.ones().eq(index.iter().copied()) {
             return Err(self.broken("array voxel_index is not in the order of a grid, x fastest".into()));
         }
-        Ok(VoxelGrid::solid(Frame::new(dims, origin, pitch)?, inside)?)
+        Ok(VoxelGrid::solid(Frame::placed(dims, &grid.affine)?, inside)?)
     }
 
     fn tree(&mut self, number: usize, elements: usize) -> Result<TreeArrays, ResultsError> {
@@ -218,7 +220,15 @@ impl Arrays {
         let parents = self.take(&name("parent"), integers)?;
         let altitudes = self.take(&name("altitude"), numbers)?;
         let volumes = self.take(&name("volume"), numbers)?;
-        let entry = self.indices(&name("entry"), parents.len())?;
+        let entry = self.take(&name("entry"), integers)?;
+        if let Some(node) = entry.iter().find(|&&node| node >= parents.len() as i64) {
+            return Err(self.broken(format!(
+                "array {} names node {node}, beyond {}",
+                name("entry"),
+                parents.len()
+            )));
+        }
+        let entry: Vec<u32> = entry.into_iter().map(|n| u32::try_from(n).unwrap_or(u32::MAX)).collect();
         self.length(&name("altitude"), altitudes.len(), parents.len())?;
         self.length(&name("volume"), volumes.len(), parents.len())?;
         self.length(&name("entry"), entry.len(), elements)?;

@@ -4,12 +4,15 @@ use mser3d::comptree::{Polarity, SelectionReport};
 use mser3d::descriptors::TimeScale;
 use mser3d::spectral::SpectrumReport;
 use mser3d::voxelize::{Diagnosis, GridTopology, InsideTest, Voxelization};
-use mser3d::{Features, Parameters, RunReport};
-use mser3d_shape::Domain;
+use mser3d::{Body, Features, Parameters, Region, RunReport};
+use mser3d_shape::vector::scale;
+use mser3d_shape::{Affine, Domain, VoxelGrid};
 use serde::{Deserialize, Serialize};
 
+use crate::{OrientedBox, VolumeRecord};
+
 /// The layout of `regions.json` and `features.npz` that this version writes and reads.
-pub const FORMAT: u32 = 2;
+pub const FORMAT: u32 = 3;
 
 /// What `regions.json` says: what was read, how it was treated, and what was found. Its JSON Schema is
 /// `docs/regions.schema.json`.
@@ -29,11 +32,15 @@ pub struct Record {
     pub domain: Domain,
     /// Every parameter that the result depends on.
     pub parameters: Parameters,
+    /// The grid of the voxels; none for surfaces.
+    pub grid: Option<GridRecord>,
     /// How the mesh became voxels; none for surfaces and masks.
     pub voxelization: Option<VoxelizationRecord>,
-    /// The eigenpairs, and how good they are.
+    /// The eigenpairs of the largest body, and how good they are.
     pub spectrum: SpectrumRecord,
-    /// The component trees, one per time scale.
+    /// The bodies that were searched each on its own, by descending measure. Mostly one: the whole shape.
+    pub bodies: Vec<SearchedBodyRecord>,
+    /// The component trees, one per time scale, body by body.
     pub trees: Vec<TreeRecord>,
     /// Regions dropped because another tree had them too.
     pub duplicates: usize,
@@ -65,8 +72,20 @@ pub struct InputRecord {
     pub animation: Option<String>,
     /// When in the animation, in seconds.
     pub time: f64,
-    /// What the mesh is like; none for a mask.
+    /// The volume that the body was taken from; none for a mesh.
+    pub volume: Option<VolumeRecord>,
+    /// What the mesh is like; none for a volume.
     pub diagnosis: Option<Diagnosis>,
+}
+
+/// Where the voxels lie.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct GridRecord {
+    /// Voxels along the axes of the grid: those of the file, where the solid was read from a volume.
+    pub dims: [usize; 3],
+    /// Index to world, 4 x 4: the centre of voxel (i, j, k) is `affine (i, j, k, 1)`.
+    pub affine: Affine,
 }
 
 impl InputRecord {
@@ -147,11 +166,26 @@ pub struct SpectrumRecord {
     pub report: SpectrumReport,
 }
 
+/// A body that was searched on its own.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
+pub struct SearchedBodyRecord {
+    /// Its voxels, or vertices of a surface.
+    pub elements: usize,
+    /// Its volume in length^3, or area in length^2.
+    pub measure: f64,
+    /// Its eigenpairs.
+    pub spectrum: SpectrumRecord,
+}
+
 /// A component tree; its nodes are in `features.npz`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct TreeRecord {
+    /// The body that it is of.
+    pub body: u32,
     /// Its time scale; none for the commute time.
     pub time_scale: Option<TimeScale>,
     /// The time in length^2; none for the commute time.
@@ -172,6 +206,8 @@ pub struct RegionRecord {
     pub id: u32,
     /// The smallest region that contains it.
     pub parent: Option<u32>,
+    /// The body it is a part of.
+    pub body: u32,
     /// The tree it was found in.
     pub tree: u32,
     /// The weight at which it is complete: of the heat kernel in length^-3 in a volume, length^-2 on a surface.
@@ -185,7 +221,7 @@ pub struct RegionRecord {
     pub lifetime: Option<f64>,
     /// Volume in length^3, or area in length^2.
     pub volume: f64,
-    /// Volume over that of the whole shape.
+    /// Volume over that of its body: of the whole shape, unless bodies are searched each on its own.
     pub volume_fraction: f64,
     /// Number of voxels; none for a surface.
     pub voxels: Option<usize>,
@@ -193,15 +229,39 @@ pub struct RegionRecord {
     pub vertices: usize,
     /// Centre of mass.
     pub centroid: [f64; 3],
+    /// Where it begins: the place with the extreme weight, of heat weights the end of a limb.
+    pub tip: [f64; 3],
+    /// The smallest box around it along its principal axes.
+    pub oriented_box: OrientedBox,
+}
+
+impl SearchedBodyRecord {
+    fn new(body: &Body) -> Self {
+        let spectrum = SpectrumRecord {
+            eigenpairs: body.basis.eigenvalues().len(),
+            largest_eigenvalue: body.basis.eigenvalues().last().copied(),
+            report: body.spectrum,
+        };
+        Self { elements: body.elements.len(), measure: body.measure(), spectrum }
+    }
 }
 
 impl Record {
     /// The record of what was found on an input. `notes` are what reading it said, before the features' own warnings.
     pub fn new(features: &Features, input: InputRecord, notes: &[String]) -> Self {
-        let volume = features.shape.grid().is_some();
+        let grid = features.shape.grid().map(VoxelGrid::frame);
+        let half_edges = grid.map_or([[0.0; 3]; 3], |frame| frame.affine().steps().map(|s| scale(s, 0.5)));
+        let positions = features.shape.positions();
+        let mut mass = vec![0.0; positions.len()];
+        for body in &features.bodies {
+            body.elements.iter().zip(body.basis.mass()).for_each(|(&e, &m)| mass[e as usize] = m);
+        }
+        let bodies: Vec<SearchedBodyRecord> = features.bodies.iter().map(SearchedBodyRecord::new).collect();
+        let volume = grid.is_some();
         let regions = (0..).zip(&features.regions).map(|(id, r)| RegionRecord {
             id,
             parent: r.parent.map(|p| p as u32),
+            body: r.body as u32,
             tree: r.tree as u32,
             altitude: r.altitude,
             stability: r.stability,
@@ -211,26 +271,30 @@ impl Record {
             voxels: volume.then_some(r.elements.len()),
             vertices: r.vertices.len(),
             centroid: r.centroid,
+            tip: positions[tip(features, r) as usize],
+            oriented_box: OrientedBox::around(&r.elements, positions, &mass, half_edges),
         });
         let trees = features.trees.iter().map(|t| TreeRecord {
+            body: t.body as u32,
             time_scale: t.time_scale,
             time: t.time,
             polarity: t.tree.polarity(),
             selection: t.selection.report,
         });
         let warnings = features.warnings.iter().map(ToString::to_string);
+        // As the file has it, to the last bit.
+        let affine = input.volume.as_ref().map(|volume| volume.affine);
         Self {
             mser3d: env!("CARGO_PKG_VERSION").to_owned(),
             format: FORMAT,
             input,
             domain: features.shape.domain(),
+            grid: grid
+                .map(|frame| GridRecord { dims: frame.dims(), affine: affine.unwrap_or(frame.affine()) }),
             parameters: features.parameters.clone(),
             voxelization: features.voxelization.as_ref().map(VoxelizationRecord::from),
-            spectrum: SpectrumRecord {
-                eigenpairs: features.basis.eigenvalues().len(),
-                largest_eigenvalue: features.basis.eigenvalues().last().copied(),
-                report: features.spectrum,
-            },
+            spectrum: bodies[0].spectrum.clone(),
+            bodies,
             trees: trees.collect(),
             duplicates: features.duplicates,
             warnings: notes.iter().cloned().chain(warnings).collect(),
@@ -247,17 +311,16 @@ impl Record {
         serde_json::to_string_pretty(self).map(|text| text + "\n")
     }
 
-    /// The volume or area of the whole shape; none where neither voxels nor a region tell.
+    /// The volume or area of all bodies that were searched.
     pub fn measure(&self) -> Option<f64> {
-        let region = self.regions.first().map(|r| r.volume / r.volume_fraction);
-        self.voxelization.as_ref().map(|v| v.volume).or(region)
+        (!self.bodies.is_empty()).then(|| self.bodies.iter().map(|body| body.measure).sum())
     }
 
     /// Whether a detection of this input with these parameters would find the same: same version, same bytes read, same
     /// pose, same parameters.
     pub fn is_of(&self, input: &InputRecord, domain: Domain, parameters: &Parameters) -> bool {
         let pose = |i: &InputRecord| {
-            (i.sha256.clone(), i.mesh_sha256.clone(), i.animation.clone(), i.time.to_bits())
+            (i.sha256.clone(), i.mesh_sha256.clone(), i.animation.clone(), i.time.to_bits(), i.volume.clone())
         };
         let parameters = Parameters { polarity: Some(parameters.polarity()), ..parameters.clone() };
         self.mser3d == env!("CARGO_PKG_VERSION")
@@ -273,6 +336,18 @@ impl Record {
         let stem = Path::new(&self.input.path).file_stem().map(|s| s.to_string_lossy().into_owned());
         stem.unwrap_or_else(|| "shape".to_owned())
     }
+}
+
+/// The element of a region with the extreme weight: the one that enters its tree first, of several the first.
+fn tip(features: &Features, region: &Region) -> u32 {
+    let (body, tree) = (&features.bodies[region.body], &features.trees[region.tree].tree);
+    let node = |e: u32| tree.nodes_of_vertices()[body.number_of(e).expect("of this body") as usize];
+    let altitude = |e: &u32| tree.altitudes()[node(*e) as usize];
+    let order = |a: &&u32, b: &&u32| match tree.polarity() {
+        Polarity::Sublevel => altitude(a).total_cmp(&altitude(b)),
+        Polarity::Superlevel => altitude(b).total_cmp(&altitude(a)),
+    };
+    *region.elements.iter().min_by(order).expect("a region has elements")
 }
 
 /// JSON has neither infinity nor NaN.
@@ -321,6 +396,7 @@ mod tests {
         let region = RegionRecord {
             id: 3,
             parent: None,
+            body: 0,
             tree: 0,
             altitude: 0.5,
             stability: 2.5,
@@ -330,6 +406,8 @@ mod tests {
             voxels: None,
             vertices: 4,
             centroid: [0.1, 0.2, 0.3],
+            tip: [0.0; 3],
+            oriented_box: OrientedBox::default(),
         };
         for stability in [2.5, f64::INFINITY, f64::NAN] {
             let text = serde_json::to_string(&RegionRecord { stability, ..region.clone() }).unwrap();

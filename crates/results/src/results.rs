@@ -1,4 +1,5 @@
-use mser3d::Features;
+use mser3d::comptree::ComponentTree;
+use mser3d::{Body, Features};
 use mser3d_shape::{Domain, IndexSet, TriangleMesh, VoxelGrid, innermost_regions};
 use mser3d_viewer::{Rgb, region_colours, voxel_surface};
 
@@ -22,8 +23,8 @@ pub struct Results {
     pub region_vertices: Vec<Vec<u32>>,
     /// The voxels of each region, ascending; of a surface, none.
     pub region_voxels: Vec<Vec<u32>>,
-    /// Eigenvalues of the Laplacian in length^-2.
-    pub eigenvalues: Vec<f64>,
+    /// Eigenvalues of the Laplacian in length^-2, of each body.
+    pub eigenvalues: Vec<Vec<f64>>,
     /// Length of a descriptor.
     pub descriptor_width: usize,
     /// A descriptor per region, row by row.
@@ -41,7 +42,7 @@ pub struct TreeArrays {
     pub altitudes: Vec<f64>,
     /// Volume of each node.
     pub volumes: Vec<f64>,
-    /// The node in which each voxel (of a surface: each vertex) enters.
+    /// The node in which each voxel (of a surface: each vertex) enters; `u32::MAX` for those of other bodies.
     pub entry: Vec<u32>,
 }
 
@@ -51,10 +52,8 @@ impl Results {
     /// # Errors
     /// [`ResultsError::OtherMesh`] when the features are not that file's.
     pub fn of_file(features: &Features, file: &ShapeFile) -> Result<Self, ResultsError> {
-        let loaded = file.loaded();
-        let notes = loaded.map_or(&[][..], |l| &l.notes);
-        let record = Record::new(features, file.record(), notes);
-        let file_vertex = loaded.and_then(|l| l.weld.clone());
+        let record = Record::new(features, file.record(), file.notes());
+        let file_vertex = file.loaded().and_then(|l| l.weld.clone());
         Ok(Self { file_vertex, ..Self::with_record(record, features, file.mesh())? })
     }
 
@@ -81,7 +80,7 @@ impl Results {
             parents: (0..t.tree.len() as u32).map(|n| t.tree.parent(n).unwrap_or(u32::MAX)).collect(),
             altitudes: t.tree.altitudes().to_vec(),
             volumes: (0..t.tree.len() as u32).map(|n| t.tree.volume(n)).collect(),
-            entry: t.tree.nodes_of_vertices().to_vec(),
+            entry: entry(shape.len(), &features.bodies[t.body], &t.tree),
         });
         let expected = shape.element_of_vertex().len();
         let found = mesh.map_or(0, |m| m.vertices().len());
@@ -96,7 +95,7 @@ impl Results {
             grid: grid.cloned(),
             region_vertices,
             region_voxels,
-            eigenvalues: features.basis.eigenvalues().to_vec(),
+            eigenvalues: features.bodies.iter().map(|body| body.basis.eigenvalues().to_vec()).collect(),
             descriptor_width: features.descriptors.width(),
             descriptors: features.descriptors.values().to_vec(),
             trees: trees.collect(),
@@ -166,6 +165,13 @@ impl Results {
         }
         Some(best)
     }
+}
+
+/// The node in which each element of a shape enters the tree of a body.
+fn entry(elements: usize, body: &Body, tree: &ComponentTree) -> Vec<u32> {
+    let mut entry = vec![u32::MAX; elements];
+    body.elements.iter().zip(tree.nodes_of_vertices()).for_each(|(&e, &node)| entry[e as usize] = node);
+    entry
 }
 
 /// Innermost regions as files have them: -1 for none.

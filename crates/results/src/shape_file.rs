@@ -1,25 +1,38 @@
 use std::path::{Path, PathBuf};
 
 use mser3d::Input;
-use mser3d::voxelize::{Pitch, diagnose};
+use mser3d::voxelize::diagnose;
 use mser3d_fileio::read_bytes;
-use mser3d_meshio::{LoadedMesh, MeshFormat, ReadOptions, read_mesh_from};
-use mser3d_shape::{Domain, Frame, TriangleMesh, VoxelGrid};
-use mser3d_volumeio::{VolumeFormat, read_mask, read_volume};
+use mser3d_meshio::{LoadedMesh, MeshFormat, MeshIoError, ReadOptions, read_mesh_from};
+use mser3d_shape::{Domain, TriangleMesh};
+use mser3d_volumeio::{BodyParameters, LabelName, PlacementParameters, VolumeFormat};
 use sha2::{Digest, Sha256};
 
-use crate::{InputRecord, ResultsError};
+use crate::{InputRecord, ResultsError, SolidVolume, VolumeFile};
+
+/// How a shape is read from a file. By default nothing is chosen or replaced.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ShapeOptions {
+    /// The frame of a glTF animation.
+    pub pose: ReadOptions,
+    /// Which voxels of a volume are the body.
+    pub body: BodyParameters,
+    /// Where a volume lies, in place of what its file says.
+    pub placement: PlacementParameters,
+    /// Names of labels, in place of the file's own.
+    pub label_names: Vec<LabelName>,
+}
 
 /// A file with a shape that was read: what a detector takes, and what a record says of it.
 ///
 /// ```no_run
 /// use mser3d::{Detector, Domain};
 /// use mser3d_meshio::ReadOptions;
-/// use mser3d_results::{Results, ShapeFile};
+/// use mser3d_results::{Results, ShapeFile, ShapeOptions};
 ///
 /// // The fox, half a second into its second animation.
 /// let pose = ReadOptions { animation: Some("1".to_owned()), time: 0.5 };
-/// let file = ShapeFile::read("Fox.glb".as_ref(), &pose)?;
+/// let file = ShapeFile::read("Fox.glb".as_ref(), &ShapeOptions { pose, ..Default::default() })?;
 /// let features = Detector::default().detect(file.input(Domain::Volume)?)?;
 /// Results::of_file(&features, &file)?.write("fox".as_ref())?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -44,49 +57,47 @@ pub struct ShapeFile {
 pub enum Contents {
     /// A mesh.
     Mesh(Box<LoadedMesh>),
-    /// A solid as a voxel mask.
-    Mask(Box<VoxelGrid>),
+    /// The body in a volume.
+    Volume(Box<SolidVolume>),
 }
 
 impl ShapeFile {
-    /// Reads a mesh, or a voxel mask; the name's ending says which. `pose` chooses a frame of a glTF animation.
+    /// Reads a mesh, or the body in a volume; the name's ending says which.
     ///
     /// # Errors
-    /// [`ResultsError::Mesh`], [`ResultsError::Volume`], [`ResultsError::File`], naming the file;
-    /// [`ResultsError::EmptyMask`]; [`ResultsError::NoMesh`] for an animation of a mask.
-    pub fn read(path: &Path, pose: &ReadOptions) -> Result<Self, ResultsError> {
-        pose.validate()?;
-        let bytes = read_bytes(path)?;
-        let sha256 = hex(Sha256::digest(&bytes));
-        let contents = match VolumeFormat::of(path) {
-            Some(_) if pose.animation.is_some() => {
+    /// [`ResultsError::Mesh`], [`ResultsError::Volume`], [`ResultsError::File`], [`ResultsError::Body`],
+    /// [`ResultsError::Placement`], naming the file; [`ResultsError::UnknownFormat`];
+    /// [`ResultsError::NoMesh`] for an animation of a volume, [`ResultsError::NoVolume`] for a label, a threshold or a
+    /// place of a mesh.
+    pub fn read(path: &Path, options: &ShapeOptions) -> Result<Self, ResultsError> {
+        options.pose.validate()?;
+        if VolumeFormat::of(path).is_some() {
+            if options.pose.animation.is_some() {
                 return Err(ResultsError::NoMesh { path: path.to_owned(), option: "--animation" });
             }
-            Some(format) => Contents::Mask(Box::new(read_solid(path, format)?)),
-            None => {
-                let format = MeshFormat::of(path, &bytes)?;
-                Contents::Mesh(Box::new(read_mesh_from(format, &bytes, path, pose)?))
-            }
-        };
-        let bytes = bytes.len() as u64;
-        let file = Self { path: path.to_owned(), sha256, bytes, pose: pose.clone(), contents };
-        let counts = file.mesh().map(|mesh| (mesh.vertices().len(), mesh.triangles().len()));
-        let (vertices, triangles) = counts.unzip();
-        tracing::info!(path = %path.display(), format = file.format(), vertices, triangles, "read");
-        Ok(file)
-    }
-
-    /// The same, with voxels of a mask of the size given by [`Pitch::Size`], from the origin on. Other pitches and meshes
-    /// change nothing.
-    ///
-    /// # Errors
-    /// [`ResultsError::Shape`] for a size that is not positive.
-    pub fn with_pitch(mut self, pitch: Pitch) -> Result<Self, ResultsError> {
-        if let (Contents::Mask(grid), Pitch::Size(h)) = (&mut self.contents, pitch) {
-            let frame = Frame::new(grid.frame().dims(), [0.0; 3], [h; 3])?;
-            **grid = VoxelGrid::solid(frame, grid.occupancy().clone())?;
+            let file = VolumeFile::read(path, options)?.shape(&options.body)?;
+            tracing::info!(path = %path.display(), format = file.format(), "read");
+            return Ok(file);
         }
-        Ok(self)
+        if let Some(option) = options.first_of_volumes() {
+            return Err(ResultsError::NoVolume { path: path.to_owned(), option });
+        }
+        let bytes = read_bytes(path)?;
+        let sha256 = hex(Sha256::digest(&bytes));
+        let format = MeshFormat::of(path, &bytes).map_err(|error| match error {
+            source @ MeshIoError::UnknownFormat { .. } => ResultsError::UnknownFormat { source },
+            error => error.into(),
+        })?;
+        let loaded = read_mesh_from(format, &bytes, path, &options.pose)?;
+        let (vertices, triangles) = (loaded.mesh.vertices().len(), loaded.mesh.triangles().len());
+        tracing::info!(path = %path.display(), %format, vertices, triangles, "read");
+        Ok(Self {
+            path: path.to_owned(),
+            sha256,
+            bytes: bytes.len() as u64,
+            pose: options.pose.clone(),
+            contents: Contents::Mesh(Box::new(loaded)),
+        })
     }
 
     /// The mesh, if it is one.
@@ -98,14 +109,30 @@ impl ShapeFile {
     pub fn loaded(&self) -> Option<&LoadedMesh> {
         match &self.contents {
             Contents::Mesh(loaded) => Some(loaded),
-            Contents::Mask(_) => None,
+            Contents::Volume(_) => None,
         }
     }
 
-    /// What a detector takes: the solid or the surface of a mesh, or the solid of a mask.
+    /// The solid of a volume, if it is one.
+    pub fn solid(&self) -> Option<&SolidVolume> {
+        match &self.contents {
+            Contents::Mesh(_) => None,
+            Contents::Volume(solid) => Some(solid),
+        }
+    }
+
+    /// What reading it said.
+    pub fn notes(&self) -> &[String] {
+        match &self.contents {
+            Contents::Mesh(loaded) => &loaded.notes,
+            Contents::Volume(solid) => &solid.notes,
+        }
+    }
+
+    /// What a detector takes: the solid or the surface of a mesh, or the body in a volume.
     ///
     /// # Errors
-    /// [`ResultsError::NoMesh`] for the surface of a mask.
+    /// [`ResultsError::NoMesh`] for the surface of a volume.
     pub fn input(&self, domain: Domain) -> Result<Input<'_>, ResultsError> {
         match (domain, self.mesh()) {
             (Domain::Volume, _) => Ok(self.volume()),
@@ -116,11 +143,11 @@ impl ShapeFile {
         }
     }
 
-    /// The solid of a mesh, or of a mask.
+    /// The solid of a mesh, or the body in a volume.
     pub fn volume(&self) -> Input<'_> {
         match &self.contents {
             Contents::Mesh(loaded) => Input::Volume(&loaded.mesh),
-            Contents::Mask(grid) => Input::Solid(grid),
+            Contents::Volume(solid) => Input::Solid(&solid.grid),
         }
     }
 
@@ -143,6 +170,7 @@ impl ShapeFile {
             format: Some(self.format()),
             animation: self.pose.animation.clone(),
             time: self.pose.time,
+            volume: self.solid().map(|solid| solid.record.clone()),
             diagnosis: None,
         }
     }
@@ -150,6 +178,20 @@ impl ShapeFile {
     /// What a record says of it.
     pub fn record(&self) -> InputRecord {
         InputRecord { diagnosis: self.mesh().map(diagnose), ..self.identity() }
+    }
+}
+
+impl ShapeOptions {
+    /// The first option that is given and that only volumes have.
+    fn first_of_volumes(&self) -> Option<&'static str> {
+        let options = [
+            ("--volume", self.body.volume.is_some()),
+            ("--label", self.body.label.is_some()),
+            ("--threshold", self.body.threshold.is_some()),
+            ("--affine", self.placement.affine.is_some()),
+            ("--labels", !self.label_names.is_empty()),
+        ];
+        options.into_iter().find_map(|(name, given)| given.then_some(name))
     }
 }
 
@@ -162,21 +204,6 @@ fn mesh_sha256(mesh: &TriangleMesh) -> String {
     hex(hash.finalize())
 }
 
-fn hex(digest: impl AsRef<[u8]>) -> String {
+pub(crate) fn hex(digest: impl AsRef<[u8]>) -> String {
     digest.as_ref().iter().map(|b| format!("{b:02x}")).collect()
-}
-
-/// A mask, and its grid: of an array, which has no place of its own, that of voxels of size 1 from the origin on.
-fn read_solid(path: &Path, format: VolumeFormat) -> Result<VoxelGrid, ResultsError> {
-    if format == VolumeFormat::Npy {
-        let mask = read_mask(path)?;
-        let frame = Frame::new(mask.dims(), [0.0; 3], [1.0; 3])?;
-        return Ok(VoxelGrid::solid(frame, mask)?);
-    }
-    let volume = read_volume(path)?;
-    let mask = volume.mask()?;
-    if mask.count_ones() == 0 {
-        return Err(ResultsError::EmptyMask { path: path.to_owned() });
-    }
-    Ok(VoxelGrid::solid(volume.frame()?, mask)?)
 }

@@ -1,11 +1,32 @@
 use std::path::Path;
 
 use mser3d_fileio::{NpyArray, write_npz, write_text};
-use mser3d_shape::Frame;
+use mser3d_shape::Choice;
 
 use crate::{Results, ResultsError, ResultsFolder};
 
 const FILES: [&str; 5] = ["regions.json", "features.npz", "surface.ply", "volume.vti", "view.html"];
+
+mser3d_shape::choice! {
+    /// What can be written to a folder of results besides.
+    pub enum Extra("file to write besides") {
+        /// The regions as a label map on the grid of the input, regions.nii.gz
+        #[default]
+        Nifti = "nifti",
+        /// The regions' centres and tips for 3D Slicer, landmarks.mrk.json
+        Landmarks = "landmarks",
+    }
+}
+
+impl Extra {
+    /// The name of the file.
+    pub fn file_name(self) -> &'static str {
+        match self {
+            Self::Nifti => "regions.nii.gz",
+            Self::Landmarks => "landmarks.mrk.json",
+        }
+    }
+}
 
 impl Results {
     /// Writes the folder, which is made if it is not there: `regions.json`, `features.npz`, `surface.ply` of a mesh and
@@ -19,11 +40,11 @@ impl Results {
     /// [`ResultsError::OutputFolder`], [`ResultsError::Io`], [`ResultsError::File`] or [`ResultsError::Mesh`], naming
     /// the file.
     pub fn write(&self, folder: &Path) -> Result<(), ResultsError> {
-        ResultsFolder::create(folder)?.write(self)
+        ResultsFolder::create(folder)?.write(self, &[])
     }
 
-    pub(crate) fn write_files(&self, folder: &Path) -> Result<(), ResultsError> {
-        for name in FILES {
+    pub(crate) fn write_files(&self, folder: &Path, extras: &[Extra]) -> Result<(), ResultsError> {
+        for name in FILES.into_iter().chain(Extra::ALL.iter().map(|extra| extra.file_name())) {
             let path = folder.join(name);
             match std::fs::remove_file(&path) {
                 Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
@@ -47,11 +68,14 @@ impl Results {
             arrays.push(("voxel_region".to_owned(), NpyArray::flat(&voxel_region[..])));
             arrays.extend(lists("region_voxels", &self.region_voxels));
             arrays.push(("voxel_index".to_owned(), NpyArray::new(&[grid.len(), 3], index)?));
-            arrays.push(("grid_origin".to_owned(), NpyArray::flat(grid.frame().origin().to_vec())));
-            arrays.push(("pitch".to_owned(), pitch(grid.frame())?));
+            let affine = self.record.grid.map_or(grid.frame().affine(), |grid| grid.affine);
+            let affine = affine.matrix().as_flattened().to_vec();
+            arrays.push(("grid_affine".to_owned(), NpyArray::new(&[4, 4], affine)?));
         }
         let shape = [self.record.regions.len(), self.descriptor_width];
-        arrays.push(("eigenvalues".to_owned(), NpyArray::flat(&self.eigenvalues[..])));
+        for (body, eigenvalues) in self.eigenvalues.iter().enumerate() {
+            arrays.push((eigenvalues_name(body), NpyArray::flat(&eigenvalues[..])));
+        }
         arrays.push(("region_descriptor".to_owned(), NpyArray::new(&shape, &self.descriptors[..])?));
         arrays.extend(self.tree_arrays());
         let arrays: Vec<(&str, NpyArray<'_>)> =
@@ -64,6 +88,9 @@ impl Results {
         if self.grid.is_some() {
             self.export(&folder.join("volume.vti"))?;
         }
+        for extra in extras {
+            self.export(&folder.join(extra.file_name()))?;
+        }
         let path = folder.join("regions.json");
         let json = self.record.to_json();
         let json = json.map_err(|error| ResultsError::Io { path: path.clone(), error: error.into() })?;
@@ -72,15 +99,23 @@ impl Results {
 
     fn tree_arrays(&self) -> impl Iterator<Item = (String, NpyArray<'_>)> {
         self.trees.iter().enumerate().flat_map(|(number, tree)| {
-            // In numpy -1 is handier for a root than 2^32 - 1.
-            let parents: Vec<i32> = tree.parents.iter().map(|&p| p as i32).collect();
+            // In numpy -1 is handier for none than 2^32 - 1.
+            let signed = |numbers: &[u32]| numbers.iter().map(|&n| n as i32).collect::<Vec<_>>();
             [
-                (format!("tree{number}_parent"), NpyArray::flat(parents)),
+                (format!("tree{number}_parent"), NpyArray::flat(signed(&tree.parents))),
                 (format!("tree{number}_altitude"), NpyArray::flat(&tree.altitudes[..])),
                 (format!("tree{number}_volume"), NpyArray::flat(&tree.volumes[..])),
-                (format!("tree{number}_entry"), NpyArray::flat(&tree.entry[..])),
+                (format!("tree{number}_entry"), NpyArray::flat(signed(&tree.entry))),
             ]
         })
+    }
+}
+
+/// The array of a body's eigenvalues.
+pub(crate) fn eigenvalues_name(body: usize) -> String {
+    match body {
+        0 => "eigenvalues".to_owned(),
+        body => format!("body{body}_eigenvalues"),
     }
 }
 
@@ -91,10 +126,4 @@ fn lists(name: &str, lists: &[Vec<u32>]) -> [(String, NpyArray<'static>); 2] {
         starts.push(starts[starts.len() - 1] + list.len() as i64);
     }
     [(name.to_owned(), NpyArray::flat(lists.concat())), (format!("{name}_start"), NpyArray::flat(starts))]
-}
-
-/// One number for cubes, else one per axis: `origin + pitch * (index + 0.5)` holds in numpy for both.
-fn pitch(frame: &Frame) -> Result<NpyArray<'static>, ResultsError> {
-    let [x, y, z] = frame.spacing();
-    Ok(if x == y && y == z { NpyArray::new(&[], vec![x])? } else { NpyArray::flat(vec![x, y, z]) })
 }

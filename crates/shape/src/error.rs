@@ -43,6 +43,16 @@ pub enum ShapeError {
         /// The spacing along x, y and z.
         spacing: [f64; 3],
     },
+    /// A matrix is no map from voxels to the world.
+    BadAffine {
+        /// What is wrong.
+        reason: &'static str,
+    },
+    /// The axes of a grid are not at right angles.
+    Sheared {
+        /// The largest cosine between two axes.
+        cosine: f64,
+    },
     /// A link of a voxel grid leads to or from an empty voxel.
     DanglingLink {
         /// The voxel that the link starts from.
@@ -78,6 +88,15 @@ impl fmt::Display for ShapeError {
             Self::BadSpacing { spacing } => {
                 write!(f, "grid spacing {spacing:?} must be positive and finite along each axis")
             }
+            Self::BadAffine { reason } => {
+                write!(f, "not a map from voxels to the world (voxel-to-world affine): {reason}")
+            }
+            Self::Sheared { cosine } => write!(
+                f,
+                "the voxels' axes are not at right angles (off by {:.1} degrees); resample the volume to a grid with right \
+                 angles, by nearest neighbour for labels",
+                cosine.clamp(-1.0, 1.0).asin().to_degrees()
+            ),
             Self::DanglingLink { voxel, axis } => {
                 write!(f, "the link of voxel {voxel:?} along axis {axis} has an empty voxel at one end")
             }

@@ -1,82 +1,6 @@
 use crate::bits::clear;
-use crate::{BitGrid, Bits, Graph, ShapeError};
+use crate::{BitGrid, Bits, Frame, Graph, ShapeError};
 use std::ops::Range;
-
-/// Where the voxels of a grid lie: voxel (i, j, k) has its centre at
-/// `origin + spacing * (i + 1/2, j + 1/2, k + 1/2)`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "FrameFields"))]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Frame {
-    dims: [usize; 3],
-    origin: [f64; 3],
-    spacing: [f64; 3],
-}
-
-/// A frame as it is read, before it is checked.
-#[cfg(feature = "serde")]
-#[derive(serde::Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct FrameFields {
-    dims: [usize; 3],
-    origin: [f64; 3],
-    spacing: [f64; 3],
-}
-
-#[cfg(feature = "serde")]
-impl TryFrom<FrameFields> for Frame {
-    type Error = ShapeError;
-
-    fn try_from(fields: FrameFields) -> Result<Self, ShapeError> {
-        Self::new(fields.dims, fields.origin, fields.spacing)
-    }
-}
-
-impl Frame {
-    /// `dims` voxels along each axis, the corner of voxel (0, 0, 0) at `origin`, voxels of size `spacing`.
-    ///
-    /// # Errors
-    /// [`ShapeError::BadSpacing`] when a spacing or the origin is not finite, or a spacing not positive.
-    pub fn new(dims: [usize; 3], origin: [f64; 3], spacing: [f64; 3]) -> Result<Self, ShapeError> {
-        let good = spacing.iter().all(|h| h.is_finite() && *h > 0.0) && origin.iter().all(|x| x.is_finite());
-        if !good {
-            return Err(ShapeError::BadSpacing { spacing });
-        }
-        Ok(Self { dims, origin, spacing })
-    }
-
-    /// Voxels along x, y and z.
-    pub fn dims(&self) -> [usize; 3] {
-        self.dims
-    }
-
-    /// The corner of voxel (0, 0, 0).
-    pub fn origin(&self) -> [f64; 3] {
-        self.origin
-    }
-
-    /// Size of a voxel along x, y and z.
-    pub fn spacing(&self) -> [f64; 3] {
-        self.spacing
-    }
-
-    /// Volume of a voxel, in length^3.
-    pub fn voxel_volume(&self) -> f64 {
-        self.spacing[0] * self.spacing[1] * self.spacing[2]
-    }
-
-    /// Centre of a voxel.
-    #[inline]
-    pub fn centre(&self, voxel: [u32; 3]) -> [f64; 3] {
-        std::array::from_fn(|a| self.origin[a] + self.spacing[a] * (f64::from(voxel[a]) + 0.5))
-    }
-
-    /// A point in units of voxels: voxel (i, j, k) spans from (i, j, k) to (i+1, j+1, k+1).
-    #[inline]
-    pub fn locate(&self, point: [f64; 3]) -> [f64; 3] {
-        std::array::from_fn(|a| (point[a] - self.origin[a]) / self.spacing[a])
-    }
-}
 
 crate::choice! {
     /// Which voxels are neighbours.
@@ -354,11 +278,11 @@ impl VoxelGrid {
 }
 
 fn check_size(frame: &Frame, bits: &BitGrid) -> Result<(), ShapeError> {
-    match (0..3).find(|&a| bits.dims()[a] != frame.dims[a]) {
+    match (0..3).find(|&a| bits.dims()[a] != frame.dims()[a]) {
         Some(a) => Err(ShapeError::SizeMismatch {
             what: "voxels along an axis",
             found: bits.dims()[a],
-            expected: frame.dims[a],
+            expected: frame.dims()[a],
         }),
         None => Ok(()),
     }

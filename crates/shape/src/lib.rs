@@ -1,7 +1,8 @@
 //! The plain data that the crates of mser3d pass to each other, without dependencies:
 //!
 //! * [`TriangleMesh`]: a surface, vertices in the order of its file;
-//! * [`VoxelGrid`]: a solid as occupied voxels *and the links between them*, one bit each;
+//! * [`VoxelGrid`]: a solid as occupied voxels *and the links between them*, one bit each; its [`Frame`] says where
+//!   they lie, and [`Affine`] is the same for any volume;
 //! * [`Graph`]: adjacency of voxels or vertices, in compressed rows;
 //! * [`Eigenbasis`]: eigenvalues and M-orthonormal eigenfunctions of a Laplacian;
 //! * [`IndexSet`]: a region as a set of vertices or voxels;
@@ -25,11 +26,13 @@
 //! ```
 #![warn(missing_docs)]
 
+mod affine;
 mod bits;
 mod choice;
 mod disjoint_sets;
 mod eigenbasis;
 mod error;
+mod frame;
 mod graph;
 mod grid;
 mod index_set;
@@ -42,13 +45,15 @@ mod split;
 pub mod vector;
 mod word_tree;
 
+pub use affine::Affine;
 pub use bits::{BitGrid, Bits};
 pub use choice::{Choice, UnknownChoice};
 pub use disjoint_sets::DisjointSets;
 pub use eigenbasis::{Domain, Eigenbasis};
 pub use error::ShapeError;
+pub use frame::Frame;
 pub use graph::{Components, Graph};
-pub use grid::{Connectivity, DIAGONALS, Frame, VoxelGrid};
+pub use grid::{Connectivity, DIAGONALS, VoxelGrid};
 pub use index_set::{IndexSet, innermost_regions};
 pub use mesh::{BoundingBox, TriangleMesh};
 pub use nearest::NearestVoxels;

@@ -173,7 +173,7 @@ mod tests {
         assert_eq!(grid.nearest_voxels(&[[1e300; 3], [f64::NAN; 3], [f64::INFINITY; 3]]).len(), 3);
         assert!(grid.nearest().voxel([-1e9, -1e9, -1e9]).unwrap() < last);
         let empty = strewn([4, 4, 4], [1.0; 3], 0, false, 7);
-        assert_eq!(empty.nearest_voxels(&[[0.0; 3]]), []);
+        assert_eq!(empty.nearest_voxels(&[[0.0; 3]]), [0u32; 0]);
         assert_eq!(empty.nearest().voxel([0.0; 3]), None);
     }
 

@@ -1,4 +1,5 @@
-// The plane that cuts a solid: the voxels of one layer as a texture.
+// The plane that cuts a solid: its voxels as a texture. Planes run along the axes of the world, the axes of the grid may
+// run any way; so the plane is sampled at steps no longer than a voxel. Along the world's axes that is the voxels' layer.
 
 class Slice {
   constructor(gl, shape) {
@@ -6,6 +7,7 @@ class Slice {
     this.grid = shape.grid;
     this.reach = shape.closed ? 3 : 0;
     const [nx, ny, nz] = this.grid.dims;
+    this.sample();
     this.voxel = new Int32Array(nx * ny * nz).fill(-1);
     this.grid.place.forEach((place, v) => (this.voxel[place] = v));
     this.colours = new Uint8Array(4 * this.grid.place.length);
@@ -17,35 +19,65 @@ class Slice {
     }
   }
 
+  // The box of samples around the grid: its low corner, step and count along x, y and z.
+  sample() {
+    const { dims, origin, spacing, directions } = this.grid;
+    const edge = (a, w) => directions[a][w] * spacing[a] * dims[a];
+    const sum = (w, part) => [0, 1, 2].reduce((s, a) => s + part(edge(a, w), 0), origin[w]);
+    const low = [0, 1, 2].map((w) => sum(w, Math.min));
+    const high = [0, 1, 2].map((w) => sum(w, Math.max));
+    const step = [0, 1, 2].map((w) => Math.min(...[0, 1, 2].map((a) => spacing[a] / Math.abs(directions[a][w]))));
+    // What is a rounding error more than a whole number of steps is that number.
+    const count = [0, 1, 2].map((w) => Math.max(1, Math.ceil((high[w] - low[w]) / step[w] - 1e-6)));
+    Object.assign(this, { low, step, count });
+  }
+
+  // The voxel around a place in the world; -1 for none.
+  voxelOf(place) {
+    const { dims, origin, spacing, directions } = this.grid;
+    let number = 0;
+    for (let a = 2; a >= 0; a--) {
+      const along = [0, 1, 2].reduce((s, w) => s + directions[a][w] * (place[w] - origin[w]), 0);
+      const index = Math.floor(along / spacing[a]);
+      if (index < 0 || index >= dims[a]) return -1;
+      number = number * dims[a] + index;
+    }
+    return this.voxel[number];
+  }
+
   // Takes the layer of a cut; true if it is another than before. The surface reaches beyond the
   // centres of its voxels, so up to `reach` voxels further in and outwards stand for those missing.
   take({ axis, at, side }) {
-    const { dims, origin, spacing } = this.grid;
+    const { low, step, count } = this;
     const [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
-    const layer = Math.min(dims[axis] - 1, Math.max(0, Math.floor((at - origin[axis]) / spacing[axis])));
+    const layer = Math.min(count[axis] - 1, Math.max(0, Math.floor((at - low[axis]) / step[axis])));
     const now = [axis, layer, side];
     if (now.every((x, i) => x === this.layer[i])) return false;
     this.layer = now;
-    const deep = Array.from({ length: this.reach + 1 }, (_, i) => layer - i * side).filter((l) => l >= 0 && l < dims[axis]);
-    const step = [1, dims[0], dims[0] * dims[1]];
-    this.size = [dims[u], dims[v]];
-    let texels = new Int32Array(dims[u] * dims[v]);
-    for (let j = 0, i = 0; j < dims[v]; j++) {
-      for (let k = 0; k < dims[u]; k++) {
-        const below = deep.map((l) => this.voxel[l * step[axis] + k * step[u] + j * step[v]]);
-        texels[i++] = below.find((voxel) => voxel >= 0) ?? -1;
+    const deep = Array.from({ length: this.reach + 1 }, (_, i) => layer - i * side).filter((l) => l >= 0 && l < count[axis]);
+    this.size = [count[u], count[v]];
+    let texels = new Int32Array(count[u] * count[v]).fill(-1);
+    const place = [0, 0, 0];
+    for (let j = 0, i = 0; j < count[v]; j++) {
+      place[v] = low[v] + (j + 0.5) * step[v];
+      for (let k = 0; k < count[u]; k++, i++) {
+        place[u] = low[u] + (k + 0.5) * step[u];
+        for (let d = 0; d < deep.length && texels[i] < 0; d++) {
+          place[axis] = low[axis] + (deep[d] + 0.5) * step[axis];
+          texels[i] = this.voxelOf(place);
+        }
       }
     }
     for (let round = 0; round < this.reach; round++) {
       const spread = texels.slice();
-      for (let j = 0, i = 0; j < dims[v]; j++) {
-        for (let k = 0; k < dims[u]; k++, i++) {
+      for (let j = 0, i = 0; j < count[v]; j++) {
+        for (let k = 0; k < count[u]; k++, i++) {
           if (texels[i] >= 0) continue;
           const around = [
             k > 0 ? texels[i - 1] : -1,
-            k + 1 < dims[u] ? texels[i + 1] : -1,
-            j > 0 ? texels[i - dims[u]] : -1,
-            j + 1 < dims[v] ? texels[i + dims[u]] : -1,
+            k + 1 < count[u] ? texels[i + 1] : -1,
+            j > 0 ? texels[i - count[u]] : -1,
+            j + 1 < count[v] ? texels[i + count[u]] : -1,
           ];
           spread[i] = Math.max(...around);
         }
@@ -58,10 +90,9 @@ class Slice {
 
   // The voxel that the layer shows at a point; -1 for none.
   voxelAt({ axis }, point) {
-    const { origin, spacing } = this.grid;
     const [k, j] = [1, 2].map((i) => {
       const a = (axis + i) % 3;
-      return Math.floor((point[a] - origin[a]) / spacing[a]);
+      return Math.floor((point[a] - this.low[a]) / this.step[a]);
     });
     const within = k >= 0 && j >= 0 && k < this.size[0] && j < this.size[1];
     return within ? this.texels[j * this.size[0] + k] : -1;
@@ -80,11 +111,10 @@ class Slice {
   }
 
   draw(tool, frame, cut) {
-    const { gl } = this;
-    const { dims, origin, spacing } = this.grid;
+    const { gl, low, step, count } = this;
     const [u, v] = [(cut.axis + 1) % 3, (cut.axis + 2) % 3];
     const vector = (a, x) => [0, 1, 2].map((i) => (i === a ? x : 0));
-    const corner = origin.slice();
+    const corner = low.slice();
     corner[cut.axis] = cut.at;
     const turn = frame.turn;
     const facing = [0, 1, 2].map((i) => turn[3 * cut.axis + i] * cut.side);
@@ -93,8 +123,8 @@ class Slice {
     gl.uniform3fv(tool.places.uScale, frame.scale);
     gl.uniform2fv(tool.places.uShift, frame.shift);
     gl.uniform3fv(tool.places.uCorner, corner);
-    gl.uniform3fv(tool.places.uAcross, vector(u, dims[u] * spacing[u]));
-    gl.uniform3fv(tool.places.uAlong, vector(v, dims[v] * spacing[v]));
+    gl.uniform3fv(tool.places.uAcross, vector(u, count[u] * step[u]));
+    gl.uniform3fv(tool.places.uAlong, vector(v, count[v] * step[v]));
     gl.uniform3fv(tool.places.uFacing, facing[2] < 0 ? facing.map((x) => -x) : facing);
     gl.bindTexture(gl.TEXTURE_2D, this.texture);
     gl.uniform1i(tool.places.uSlice, 0);

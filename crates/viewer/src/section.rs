@@ -16,9 +16,16 @@ pub(crate) struct Face<Corners = Vec<Vec3>> {
     pub corners: Corners,
 }
 
+/// Half of a voxel's edge along each axis of the grid.
+fn half_edges(grid: &VoxelGrid) -> [Vec3; 3] {
+    let frame = grid.frame();
+    std::array::from_fn(|a| scale(frame.directions()[a], 0.5 * frame.spacing()[a]))
+}
+
 /// The faces between a voxel that is there and a place where none is.
 pub(crate) fn exposed_faces(grid: &VoxelGrid, cut: Option<&Cut>) -> Vec<Face<[Vec3; 4]>> {
     let frame = grid.frame();
+    let halves = half_edges(grid);
     let kept =
         |v: [u32; 3]| grid.occupancy().get(v) && cut.is_none_or(|cut| cut.beyond(frame.centre(v)) <= 0.0);
     let mut faces = Vec::new();
@@ -32,18 +39,15 @@ pub(crate) fn exposed_faces(grid: &VoxelGrid, cut: Option<&Cut>) -> Vec<Face<[Ve
                 if kept(beside) {
                     continue;
                 }
-                let half = |a: usize, sign: f64| {
-                    let mut v = [0.0; 3];
-                    v[a] = 0.5 * sign * frame.spacing()[a];
-                    v
-                };
                 let side = f64::from(side);
-                let (u, v) = (half((axis + 1) % 3, side), half((axis + 2) % 3, 1.0));
-                let middle = add(centre, half(axis, side));
+                // Counter-clockwise from outside, also where the grid is a mirror image.
+                let turn = if frame.is_left_handed() { -side } else { side };
+                let (u, v) = (scale(halves[(axis + 1) % 3], turn), halves[(axis + 2) % 3]);
+                let middle = add(centre, scale(halves[axis], side));
                 let corner = |p: f64, q: f64| add(middle, add(scale(u, p), scale(v, q)));
                 faces.push(Face {
                     voxel: number as u32,
-                    normal: unit(half(axis, side)),
+                    normal: unit(scale(halves[axis], side)),
                     corners: [corner(-1., -1.), corner(1., -1.), corner(1., 1.), corner(-1., 1.)],
                 });
             }
@@ -92,21 +96,21 @@ pub fn voxel_surface(grid: &VoxelGrid) -> Result<TriangleMesh, ViewerError> {
 /// The polygons in which a plane cuts the voxels, seen from the side that is taken away.
 pub(crate) fn cut_face(grid: &VoxelGrid, cut: &Cut) -> Vec<Face> {
     let frame = grid.frame();
-    let h = frame.spacing();
+    let halves = half_edges(grid);
     let normal = unit(cut.normal);
     let across = unit(cross(normal, if normal[0].abs() < 0.9 { [1., 0., 0.] } else { [0., 1., 0.] }));
     let along = cross(normal, across);
     let mut faces = Vec::new();
     for (number, voxel) in grid.voxels().enumerate() {
         let centre = frame.centre(voxel);
-        let reach: f64 = (0..3).map(|a| (cut.normal[a] * h[a]).abs()).sum();
+        let reach: f64 = halves.iter().map(|&half| dot(cut.normal, half).abs()).sum();
         // Half-open, so that a plane between two layers cuts one of them.
         let depth = cut.beyond(centre);
-        if !(-reach / 2.0 < depth && depth <= reach / 2.0) {
+        if !(-reach < depth && depth <= reach) {
             continue;
         }
         let corner = |i: usize| -> Vec3 {
-            std::array::from_fn(|a| centre[a] + h[a] * (if i >> a & 1 == 1 { 0.5 } else { -0.5 }))
+            (0..3).fold(centre, |p, a| add(p, scale(halves[a], if i >> a & 1 == 1 { 1.0 } else { -1.0 })))
         };
         let mut corners: Vec<Vec3> = Vec::new();
         for i in 0..8usize {
@@ -185,6 +189,7 @@ pub(crate) fn is_closed(mesh: &TriangleMesh) -> bool {
 mod tests {
     use super::*;
     use crate::test_shapes;
+    use mser3d_shape::{Affine, Frame};
 
     #[test]
     fn a_sphere_is_closed_until_a_triangle_is_gone_or_flipped() {
@@ -206,6 +211,25 @@ mod tests {
         assert_eq!(filling.paint_at([0.01, 0.2, 0.1]), 1);
         // Far outside the nearest voxel counts.
         assert_eq!(filling.paint_at([-9.0, 0.0, 0.0]), 0);
+    }
+
+    #[test]
+    fn turned_and_mirrored_solids_face_outwards() {
+        let (s, c) = 0.4f64.sin_cos();
+        for steps in [[[0., 0., -2.], [1., 0., 0.], [0., 3., 0.]], [[-c, -s, 0.], [-s, c, 0.], [0., 0., 2.]]]
+        {
+            let affine = Affine::from_steps([5., 6., 7.], steps).unwrap();
+            let frame = Frame::placed([9, 9, 9], &affine).unwrap();
+            let grid = VoxelGrid::solid(frame, test_shapes::ball(9).occupancy().clone()).unwrap();
+            let mesh = voxel_surface(&grid).unwrap();
+            assert!((mesh.signed_volume() - grid.volume()).abs() < 1e-9 * grid.volume());
+            let cut =
+                Cut { normal: [0.6, -0.8, 0.0], offset: dot([0.6, -0.8, 0.0], frame.position([4.5; 3])) };
+            let faces = exposed_faces(&grid, None);
+            assert!(faces.iter().all(|f| area(f) > 0.0));
+            let section: f64 = cut_face(&grid, &cut).iter().map(area).sum();
+            assert!(section > 0.0 && cut_face(&grid, &cut).iter().all(|f| area(f) > 0.0));
+        }
     }
 
     fn area<C: AsRef<[Vec3]>>(face: &Face<C>) -> f64 {

@@ -2,7 +2,7 @@
 //! place.
 
 use mser3d_shape::BitGrid;
-use mser3d_volumeio::{Placement, Volume, read_volume, write_nifti};
+use mser3d_volumeio::{Affine, Volume, read_volume, write_nifti};
 use std::error::Error;
 
 /// Runs the example.
@@ -17,11 +17,11 @@ pub fn main() -> Result<(), Box<dyn Error>> {
         let r2 = (x - 15.5).powi(2) + (y - 15.5).powi(2) + (2.0 * z - 15.0).powi(2);
         1000.0 * (-r2 / 150.0).exp()
     });
-    let placement = Placement { spacing: [1.0, 1.0, 2.0], ..Default::default() };
-    let scan = Volume::new(dims, 1, placement, grey.collect::<Vec<f32>>())?;
+    let affine = Affine::along_axes([0.0; 3], [1.0, 1.0, 2.0])?;
+    let scan = Volume::new(dims, 1, affine, grey.collect::<Vec<f32>>())?;
     write_nifti(&folder.join("scan.nii.gz"), &scan)?;
 
-    let scan = read_volume(&folder.join("scan.nii.gz"))?;
+    let scan = read_volume(&folder.join("scan.nii.gz"))?.volume;
     let mut mask = BitGrid::empty(scan.dims())?;
     let [nx, ny, _] = scan.dims();
     for (v, grey) in scan.samples().to_f64().into_iter().enumerate() {
@@ -29,7 +29,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     }
     let voxel = scan.frame()?.voxel_volume();
     println!("{} bright voxels, {} mm^3", mask.count_ones(), mask.count_ones() as f64 * voxel);
-    write_nifti(&folder.join("mask.nii.gz"), &Volume::from_mask(&mask, *scan.placement())?)?;
+    write_nifti(&folder.join("mask.nii.gz"), &Volume::from_mask(&mask, *scan.affine())?)?;
     std::fs::remove_dir_all(&folder)?;
     Ok(())
 }

@@ -56,6 +56,16 @@ impl Fault {
         Self::Unsupported(reason.into())
     }
 
+    /// What is wrong in a file that another one names.
+    pub fn of_part(self, part: &Path) -> Self {
+        let name = part.file_name().unwrap_or_default().to_string_lossy();
+        match self {
+            Self::Io(error) => Self::Invalid(format!("its data file {name} cannot be read: {error}")),
+            Self::Invalid(reason) => Self::Invalid(format!("its data file {name}: {reason}")),
+            Self::Unsupported(reason) => Self::Unsupported(format!("its data file {name}: {reason}")),
+        }
+    }
+
     pub fn in_file(self, path: &Path) -> VolumeIoError {
         let path = path.to_path_buf();
         match self {
@@ -75,6 +85,12 @@ impl From<std::io::Error> for Fault {
             InvalidData | InvalidInput => Self::invalid(format!("damaged data: {error}")),
             _ => Self::Io(error),
         }
+    }
+}
+
+impl From<mser3d_shape::ShapeError> for Fault {
+    fn from(error: mser3d_shape::ShapeError) -> Self {
+        Self::invalid(error.to_string())
     }
 }
 

@@ -1,8 +1,6 @@
 use crate::error::Fault;
-use crate::{Volume, VolumeIoError, nifti, npy, nrrd, tiff};
+use crate::{LoadedVolume, VolumeIoError, bytes, metaimage, mgh, nifti, npy, nrrd, tiff};
 use std::fmt;
-use std::fs::File;
-use std::io::BufReader;
 use std::path::Path;
 
 /// A file format of volumes.
@@ -11,17 +9,43 @@ use std::path::Path;
 pub enum VolumeFormat {
     /// NumPy's `.npy`.
     Npy,
-    /// NIfTI, `.nii` or `.nii.gz`.
+    /// NIfTI, `.nii` or `.nii.gz`, or as a pair of `.hdr` and `.img`, which may also be of Analyze 7.5.
     Nifti,
-    /// NRRD with its data in the same file, `.nrrd`.
+    /// NRRD, `.nrrd`, or `.nhdr` with the data beside it.
     Nrrd,
+    /// MetaImage, `.mha`, or `.mhd` with the data beside it.
+    MetaImage,
+    /// FreeSurfer's `.mgz` and `.mgh`.
+    Mgh,
     /// TIFF with a page for each layer, `.tif` or `.tiff`.
     Tiff,
 }
 
+/// Endings of names, in lower case.
+const ENDINGS: [(&str, VolumeFormat); 17] = [
+    (".npy", VolumeFormat::Npy),
+    (".nii", VolumeFormat::Nifti),
+    (".nii.gz", VolumeFormat::Nifti),
+    (".hdr", VolumeFormat::Nifti),
+    (".hdr.gz", VolumeFormat::Nifti),
+    (".img", VolumeFormat::Nifti),
+    (".img.gz", VolumeFormat::Nifti),
+    (".nrrd", VolumeFormat::Nrrd),
+    (".nhdr", VolumeFormat::Nrrd),
+    (".mha", VolumeFormat::MetaImage),
+    (".mhd", VolumeFormat::MetaImage),
+    (".mgz", VolumeFormat::Mgh),
+    (".mgh", VolumeFormat::Mgh),
+    (".mgh.gz", VolumeFormat::Mgh),
+    (".tif", VolumeFormat::Tiff),
+    (".tiff", VolumeFormat::Tiff),
+    (".btf", VolumeFormat::Tiff),
+];
+
 impl VolumeFormat {
     /// The known extensions.
-    pub const LIST: &'static str = ".npy, .nii, .nii.gz, .nrrd, .tif and .tiff";
+    pub const LIST: &'static str =
+        ".npy, .nii, .nii.gz, .hdr with .img, .nrrd, .nhdr, .mha, .mhd, .mgz, .mgh, .tif and .tiff";
 
     /// The format that a file's name promises, if any.
     ///
@@ -32,15 +56,7 @@ impl VolumeFormat {
     /// ```
     pub fn of(path: &Path) -> Option<Self> {
         let name = path.file_name()?.to_string_lossy().to_ascii_lowercase();
-        let known = [
-            (".npy", Self::Npy),
-            (".nii", Self::Nifti),
-            (".nii.gz", Self::Nifti),
-            (".nrrd", Self::Nrrd),
-            (".tif", Self::Tiff),
-            (".tiff", Self::Tiff),
-        ];
-        known.into_iter().find(|(extension, _)| name.ends_with(extension)).map(|(_, format)| format)
+        ENDINGS.into_iter().find(|(ending, _)| name.ends_with(ending)).map(|(_, format)| format)
     }
 }
 
@@ -50,6 +66,8 @@ impl fmt::Display for VolumeFormat {
             Self::Npy => "npy",
             Self::Nifti => "nifti",
             Self::Nrrd => "nrrd",
+            Self::MetaImage => "metaimage",
+            Self::Mgh => "mgh",
             Self::Tiff => "tiff",
         })
     }
@@ -60,17 +78,18 @@ impl fmt::Display for VolumeFormat {
 /// # Errors
 /// [`VolumeIoError::File`], [`VolumeIoError::UnknownFormat`], [`VolumeIoError::Invalid`],
 /// [`VolumeIoError::Unsupported`].
-pub fn read_volume(path: &Path) -> Result<Volume, VolumeIoError> {
+pub fn read_volume(path: &Path) -> Result<LoadedVolume, VolumeIoError> {
     let format =
         VolumeFormat::of(path).ok_or_else(|| VolumeIoError::UnknownFormat { path: path.to_path_buf() })?;
-    if format == VolumeFormat::Npy {
-        return npy::read(path);
-    }
-    let open = || Ok::<_, Fault>(BufReader::new(File::open(path).map_err(Fault::Io)?));
-    let read = || match format {
-        VolumeFormat::Nrrd => nrrd::read(open()?),
-        VolumeFormat::Tiff => tiff::read(open()?),
-        VolumeFormat::Nifti | VolumeFormat::Npy => nifti::read(open()?),
+    let read = || -> Result<LoadedVolume, Fault> {
+        match format {
+            VolumeFormat::Npy => npy::read(bytes::open_raw(path)?),
+            VolumeFormat::Nifti => nifti::read(path),
+            VolumeFormat::Nrrd => nrrd::read(path),
+            VolumeFormat::MetaImage => metaimage::read(path),
+            VolumeFormat::Mgh => mgh::read(path),
+            VolumeFormat::Tiff => tiff::read(bytes::open_raw(path)?),
+        }
     };
     read().map_err(|fault| fault.in_file(path))
 }

@@ -3,7 +3,7 @@ use crate::Samples;
 use crate::error::Fault;
 use std::io::Read;
 
-/// How a number is stored. 64-bit integers are read as f64, rounded beyond 2^53.
+/// How a number is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SampleType {
     U8,
@@ -41,27 +41,32 @@ impl SampleType {
                 "the header promises {wanted} bytes of values, but there are {held}; copy or export the file again"
             )));
         }
+        Ok(self.decode(bytes, big_endian))
+    }
+
+    /// The numbers that bytes stand for.
+    pub fn decode(self, bytes: Vec<u8>, big_endian: bool) -> Samples {
         macro_rules! decode {
-            ($type:ty as $into:ty) => {{
+            ($type:ty) => {{
                 let (chunks, _) = bytes.as_chunks();
                 let numbers = chunks.iter().map(|&chunk| match big_endian {
-                    true => <$type>::from_be_bytes(chunk) as $into,
-                    false => <$type>::from_le_bytes(chunk) as $into,
+                    true => <$type>::from_be_bytes(chunk),
+                    false => <$type>::from_le_bytes(chunk),
                 });
-                Samples::from(numbers.collect::<Vec<$into>>())
+                Samples::from(numbers.collect::<Vec<$type>>())
             }};
         }
-        Ok(match self {
+        match self {
             Self::U8 => Samples::U8(bytes),
-            Self::I8 => decode!(i8 as i8),
-            Self::U16 => decode!(u16 as u16),
-            Self::I16 => decode!(i16 as i16),
-            Self::U32 => decode!(u32 as u32),
-            Self::I32 => decode!(i32 as i32),
-            Self::U64 => decode!(u64 as f64),
-            Self::I64 => decode!(i64 as f64),
-            Self::F32 => decode!(f32 as f32),
-            Self::F64 => decode!(f64 as f64),
-        })
+            Self::I8 => decode!(i8),
+            Self::U16 => decode!(u16),
+            Self::I16 => decode!(i16),
+            Self::U32 => decode!(u32),
+            Self::I32 => decode!(i32),
+            Self::U64 => decode!(u64),
+            Self::I64 => decode!(i64),
+            Self::F32 => decode!(f32),
+            Self::F64 => decode!(f64),
+        }
     }
 }

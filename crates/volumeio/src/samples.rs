@@ -1,4 +1,5 @@
 //! The numbers of a volume.
+use crate::sample_type::SampleType;
 
 macro_rules! samples {
     ($($(#[$doc:meta])* $variant:ident($type:ty);)*) => {
@@ -25,9 +26,18 @@ macro_rules! samples {
                 match self { $(Self::$variant(_) => stringify!($type),)* }
             }
 
-            /// All as f64, exactly.
+            /// Number `i` as f64. 64-bit integers are rounded beyond 2^53, all others are exact.
+            ///
+            /// # Panics
+            /// When there are no more than `i` numbers.
+            #[inline]
+            pub fn value(&self, i: usize) -> f64 {
+                match self { $(Self::$variant(values) => values[i] as f64,)* }
+            }
+
+            /// All as f64, as by [`Samples::value`].
             pub fn to_f64(&self) -> Vec<f64> {
-                match self { $(Self::$variant(values) => values.iter().map(|&x| f64::from(x)).collect(),)* }
+                match self { $(Self::$variant(values) => values.iter().map(|&x| x as f64).collect(),)* }
             }
 
             /// Where they are not zero.
@@ -35,10 +45,22 @@ macro_rules! samples {
                 (0..self.len()).filter(|&i| match self { $(Self::$variant(values) => values[i] != <$type>::default(),)* })
             }
 
-            /// Value i of the result is value `from(i)` of this.
-            pub(crate) fn permuted(&self, from: impl Fn(usize) -> usize) -> Self {
-                let all = 0..self.len();
-                match self { $(Self::$variant(values) => Self::$variant(all.map(|i| values[from(i)]).collect()),)* }
+            /// `count` numbers; the i-th is number `from(i)` of these.
+            pub(crate) fn picked(&self, count: usize, from: impl Fn(usize) -> usize) -> Self {
+                match self {
+                    $(Self::$variant(values) => Self::$variant((0..count).map(|i| values[from(i)]).collect()),)*
+                }
+            }
+
+            /// Adds numbers of the same type at the end; whether they were.
+            pub(crate) fn append(&mut self, more: Self) -> bool {
+                match (self, more) {
+                    $((Self::$variant(values), Self::$variant(more)) => {
+                        values.extend(more);
+                        true
+                    })*
+                    _ => false,
+                }
             }
 
             /// The bytes, little end first.
@@ -46,6 +68,10 @@ macro_rules! samples {
                 match self {
                     $(Self::$variant(values) => values.iter().try_for_each(|x| out.write_all(&x.to_le_bytes())),)*
                 }
+            }
+
+            pub(crate) fn sample_type(&self) -> SampleType {
+                match self { $(Self::$variant(_) => SampleType::$variant,)* }
             }
         }
 
@@ -70,8 +96,19 @@ samples! {
     U32(u32);
     /// 32-bit integers.
     I32(i32);
+    /// 64-bit integers without a sign.
+    U64(u64);
+    /// 64-bit integers.
+    I64(i64);
     /// Floating-point numbers of 32 bits.
     F32(f32);
     /// Floating-point numbers of 64 bits.
     F64(f64);
+}
+
+impl Samples {
+    /// In another order: number i of the result is number `from(i)` of these.
+    pub(crate) fn permuted(&self, from: impl Fn(usize) -> usize) -> Self {
+        self.picked(self.len(), from)
+    }
 }

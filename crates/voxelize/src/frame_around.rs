@@ -4,9 +4,12 @@ use crate::error::VoxelizeError;
 use crate::surface::Surface;
 use mser3d_shape::Frame;
 
-/// Empty space left around the mesh, in voxels. A whole number, so that the flat sides of a box lie
-/// between centres, and a box of n pitches gets n voxels.
+/// Voxels left empty on either side of the mesh.
 const MARGIN: f64 = 1.0;
+
+/// Numbers of voxels that are this close below a half are rounded down, so that the last bit of a pitch does
+/// not decide.
+const HALF: f64 = 1e-9;
 
 /// The pitch that divides the longest side of the box around a mesh into n voxels.
 pub(crate) fn resolution_pitch(surface: &Surface, n: usize) -> Option<f64> {
@@ -14,12 +17,16 @@ pub(crate) fn resolution_pitch(surface: &Surface, n: usize) -> Option<f64> {
     (longest > 0.0 && longest.is_finite()).then_some(longest / n as f64)
 }
 
-/// The frame around a mesh: corner at the lowest coordinates less one pitch, cubic voxels.
+/// The frame of cubic voxels around a mesh.
 pub(crate) fn around(surface: &Surface, pitch: f64) -> Result<Frame, VoxelizeError> {
     around_within(surface, [pitch; 3], None, 1 << 32)
 }
 
 /// The frame of the given spacing, from the given origin or around the surface, of at most `limit` voxels.
+///
+/// Around the surface it is centred on the middle of the bounding box. A box of r voxels across gets
+/// round(r) of them, so that the flat sides of a box lie at least a quarter of a voxel from all centres.
+/// Turning the mesh by quarter turns, or mirroring it, turns or mirrors the centres exactly.
 pub(crate) fn around_within(
     surface: &Surface,
     spacing: [f64; 3],
@@ -27,9 +34,9 @@ pub(crate) fn around_within(
     limit: u64,
 ) -> Result<Frame, VoxelizeError> {
     let bounds = &surface.bounds;
-    let origin = origin.unwrap_or_else(|| std::array::from_fn(|a| bounds.min[a] - MARGIN * spacing[a]));
-    let dims: [f64; 3] = std::array::from_fn(|a| {
-        ((bounds.max[a] - origin[a] + MARGIN * spacing[a]) / spacing[a]).ceil().max(1.0)
+    let dims: [f64; 3] = std::array::from_fn(|a| match origin {
+        Some(origin) => ((bounds.max[a] - origin[a] + MARGIN * spacing[a]) / spacing[a]).ceil().max(1.0),
+        None => voxels_across(bounds.max[a] - bounds.min[a], spacing[a]) + 2.0 * MARGIN,
     });
     let voxels: f64 = dims.iter().product();
     if voxels.is_nan() || voxels > limit as f64 {
@@ -38,7 +45,26 @@ pub(crate) fn around_within(
         let advice = pitch * (voxels / limit as f64).cbrt();
         return Err(VoxelizeError::TooLarge { pitch, voxels, limit, advice });
     }
+    let origin = origin.unwrap_or_else(|| {
+        std::array::from_fn(|a| {
+            let half = spacing[a] * dims[a] * 0.5;
+            let reach = bounds.min[a].abs().max(bounds.max[a].abs()) + 2.0 * half;
+            rounded(0.5 * bounds.min[a] + 0.5 * bounds.max[a], reach, 2.0) - half
+        })
+    });
     Ok(Frame::new(dims.map(|d| d as usize), origin, spacing)?)
+}
+
+/// The number of voxels across an extent: at least one.
+pub(crate) fn voxels_across(extent: f64, spacing: f64) -> f64 {
+    (extent / spacing - HALF).round().max(1.0)
+}
+
+/// A coordinate rounded to its last few bits, as seen from `reach`: 50 bits are kept, less `spare`. Rounding
+/// takes x and -x alike, and what was rounded with more spare bits stays as it is.
+pub(crate) fn rounded(x: f64, reach: f64, spare: f64) -> f64 {
+    let unit = (reach.log2().floor() - 50.0 + spare).exp2();
+    if unit.is_normal() { (x / unit).round() * unit } else { x }
 }
 
 /// Refuses frames that are too large, or finer than the coordinates' precision.

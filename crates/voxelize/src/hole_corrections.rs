@@ -100,8 +100,9 @@ impl Part {
         };
         let points: [Vec3; VOLUME] = std::array::from_fn(place);
         let found = self.tree.winding_numbers(&target, &points);
-        for (value, winding) in values.iter_mut().zip(found) {
-            *value = (self.sign * winding / STEP).round() as i16;
+        for ((value, winding), point) in values.iter_mut().zip(found).zip(points) {
+            // Rounded upwards: what is more than a half stays more than a half.
+            *value = (self.sign * self.tree.decided(point, winding) / STEP).ceil() as i16;
         }
     }
 }

@@ -19,6 +19,10 @@
 //!   coordinates that are not within a factor of 1e-100 of the limits of `f64`. A centre exactly on
 //!   the surface counts as moved by an infinitesimal along +x, then +y, then +z.
 //! * The result does not depend on the number of threads.
+//! * A grid that is not given lies centred on the mesh's bounding box. Quarter turns and mirror images of a
+//!   mesh give the turned or mirrored voxels and links, exactly, of open meshes too. Exceptions are voxel
+//!   centres exactly on the surface (a slope of 45 degrees on a grid whose pitch divides the shape), and inside
+//!   tests that count crossings of an open mesh.
 //! * No vertex is moved. Merging vertices, turning triangles over and closing holes only change how a mesh is
 //!   read, and warnings report them.
 //! * Where bodies overlap, their surfaces are ordered along a line in floating point; closer than

@@ -65,7 +65,8 @@ pub struct VoxelizeParameters {
     /// ones too. Default: [`Connectivity::Six`].
     pub connectivity: Connectivity,
     /// The first corner of the grid, which reaches from there to one voxel beyond the mesh, in the mesh's
-    /// units. Default: none, the lowest coordinates less one voxel. Ignored when `frame` is given.
+    /// units. Default: none, a grid centred on the middle of the mesh's bounding box. Ignored when `frame` is
+    /// given.
     pub origin: Option<[f64; 3]>,
     /// The grid to use, to share it with other shapes or tools. Default: none, a grid around the mesh.
     pub frame: Option<Frame>,

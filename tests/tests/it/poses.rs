@@ -22,7 +22,7 @@ impl Rest {
         let mut parameters = coarse(voxels, eigenpairs);
         let features = solid_features(&mesh, &parameters);
         parameters.voxelize.pitch = Pitch::Size(features.shape.grid().unwrap().frame().spacing()[0]);
-        parameters.reference_measure = Some(features.basis.measure());
+        parameters.reference_measure = Some(features.bodies[0].measure());
         let shape = NullShape::new(mesh).with_symmetry(mirror(figure)).unwrap();
         Self { figure, shape, features, parameters }
     }

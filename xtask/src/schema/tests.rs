@@ -3,7 +3,7 @@ use mser3d::voxelize::Pitch;
 use mser3d::{Descriptor, DescriptorKind, Detector, Input, Parameters, Weight};
 use mser3d_results::msv::{MsvResults, MsvSearchParameters};
 use mser3d_results::{Results, ShapeFile};
-use mser3d_volumeio::{Placement, Volume};
+use mser3d_volumeio::{Affine, Volume};
 use serde_json::json;
 
 use super::*;
@@ -64,7 +64,7 @@ fn msv_records_conform() {
     let bright =
         |v: usize| if [v % 12, v / 12 % 12, v / 144].iter().all(|&a| (3..8).contains(&a)) { 200 } else { 10 };
     let samples: Vec<u8> = (0..12 * 12 * 12).map(bright).collect();
-    let volume = Volume::new([12; 3], 1, Placement::default(), samples).unwrap();
+    let volume = Volume::new([12; 3], 1, Affine::default(), samples).unwrap();
     let found = MsvResults::find(&volume, "cube.nrrd", &MsvSearchParameters::default()).unwrap().record;
     assert!(found.searches.iter().any(|search| !search.regions.is_empty()));
     let record = serde_json::to_value(&found).unwrap();

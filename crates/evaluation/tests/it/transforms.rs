@@ -251,7 +251,7 @@ fn the_benchmark_is_the_same_for_ever() {
         "microholes aa793224e4460b1f",
         "noise 24b2fc2ec96b26bb",
         "partial a43850ee73aba278",
-        "rasterize 19c724dc1e5ab4e4",
+        "rasterize 793065fe864382ed",
         "sampling f82069137325ce78",
         "scaling 4324accb00b3641b",
         "shotnoise b7dc950806ebf3ee",

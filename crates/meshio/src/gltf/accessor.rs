@@ -1,5 +1,6 @@
 //! Typed arrays within buffers. Every number of the file is checked before it is used.
 
+use super::exact::Node;
 use crate::error::Fault;
 use gltf::json;
 use json::accessor::{ComponentType, Type};
@@ -10,6 +11,8 @@ use std::borrow::Cow;
 pub(super) struct Asset<'a> {
     pub root: json::Root,
     pub buffers: Vec<Cow<'a, [u8]>>,
+    /// The nodes, with the digits that `root` has lost.
+    pub nodes: Vec<Node>,
 }
 
 /// Numbers in rows of equal width.

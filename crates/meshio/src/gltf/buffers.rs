@@ -7,8 +7,11 @@ use gltf::json;
 use std::borrow::Cow;
 use std::path::Path;
 
-/// The JSON and the binary chunk of a glTF or GLB file.
-pub(super) fn split(format: MeshFormat, bytes: &[u8]) -> Result<(json::Root, Option<Cow<'_, [u8]>>), Fault> {
+/// What a glTF or GLB file is made of: its JSON as text and parsed, and its binary chunk.
+pub(super) type Pieces<'a> = (Cow<'a, [u8]>, json::Root, Option<Cow<'a, [u8]>>);
+
+/// Takes a glTF or GLB file apart.
+pub(super) fn split(format: MeshFormat, bytes: &[u8]) -> Result<Pieces<'_>, Fault> {
     let (text, chunk) = if format == MeshFormat::Glb {
         if !bytes.starts_with(b"glTF") {
             return Err(Fault::new("a GLB file begins with glTF; this one doesn't"));
@@ -28,7 +31,7 @@ pub(super) fn split(format: MeshFormat, bytes: &[u8]) -> Result<(json::Root, Opt
         let message = format!("not the JSON of glTF 2.0: {e}");
         line.map_or_else(|| Fault::new(&message), |line| Fault::at(line, &message))
     })?;
-    Ok((root, chunk))
+    Ok((text, root, chunk))
 }
 
 fn reason(error: &gltf::Error) -> String {

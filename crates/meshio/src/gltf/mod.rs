@@ -4,6 +4,8 @@
 mod accessor;
 mod animation;
 mod buffers;
+mod exact;
+mod extensions;
 mod pose;
 mod primitive;
 mod scene;
@@ -13,20 +15,12 @@ mod transform;
 use crate::error::Fault;
 use crate::read::{Parsed, ReadOptions, note};
 use crate::weld::{Weld, collapse};
-use crate::{MeshFormat, MeshIoError};
+use crate::{MeshFormat, MeshIoError, gzip};
 use accessor::{Asset, get};
 pub use animation::AnimationInfo;
 use mser3d_fileio::read_bytes;
 use scene::Scene;
 use std::path::Path;
-
-/// Extensions that hide the geometry from a reader that doesn't know them.
-const UNREADABLE: [&str; 4] = [
-    "KHR_draco_mesh_compression",
-    "EXT_meshopt_compression",
-    "KHR_meshopt_compression",
-    "EXT_mesh_gpu_instancing",
-];
 
 /// The animations of a glTF or GLB file; none for other formats.
 ///
@@ -36,6 +30,7 @@ pub fn list_animations(path: &Path) -> Result<Vec<AnimationInfo>, MeshIoError> {
     let bytes = read_bytes(path)?;
     match MeshFormat::of(path, &bytes)? {
         format @ (MeshFormat::Gltf | MeshFormat::Glb) => {
+            let bytes = gzip::unpack(&bytes).map_err(|fault| fault.in_file(path))?;
             animation::list(&open(format, &bytes, path)?).map_err(|fault| broken(fault, path))
         }
         _ => Ok(Vec::new()),
@@ -62,14 +57,11 @@ fn broken(fault: Fault, path: &Path) -> MeshIoError {
 }
 
 fn open<'a>(format: MeshFormat, bytes: &'a [u8], path: &Path) -> Result<Asset<'a>, MeshIoError> {
-    let (root, chunk) = buffers::split(format, bytes).map_err(|fault| broken(fault, path))?;
-    if let Some(name) = root.extensions_required.iter().find(|e| UNREADABLE.contains(&e.as_str())) {
-        let reason =
-            format!("the file needs {name}, which is not supported; export it without (no compression)");
-        return Err(Fault::unsupported(None, reason).in_file(path));
-    }
+    let (text, root, chunk) = buffers::split(format, bytes).map_err(|fault| broken(fault, path))?;
+    extensions::check(&root).map_err(|fault| fault.in_file(path))?;
+    let exact = exact::nodes(&text).map_err(|fault| broken(fault, path))?;
     let buffers = buffers::load(&root, chunk, path)?;
-    Ok(Asset { root, buffers })
+    Ok(Asset { root, buffers, nodes: exact })
 }
 
 /// The animation with this name, or else with this number.
@@ -92,30 +84,40 @@ fn assemble(asset: &Asset, animation: Option<usize>, time: f64) -> Result<Parsed
     let mut parsed = Parsed::default();
     let mut weld = Weld::default();
     let mut corners: Vec<[u32; 3]> = Vec::new();
-    let mut others = 0;
+    let (mut others, mut repeated) = (0, 0);
     for &node in &scene.shown {
         let Some(mesh) = asset.root.nodes[node].mesh else { continue };
         let mesh = get(&asset.root.meshes, mesh.value(), "mesh")?;
+        let instances = scene.instances(node)?;
         for primitive in &mesh.primitives {
-            let Some(part) = scene.part(node, mesh, primitive)? else {
+            let Some(shape) = scene.shape(node, mesh, primitive)? else {
                 others += 1;
                 continue;
             };
-            let first = weld.map.len();
-            if first + part.keys.len() > u32::MAX as usize {
-                return Err(Fault::new("the scene shows more than 2^32 vertices"));
-            }
-            for (&key, &position) in part.keys.iter().zip(&part.positions) {
-                if weld.push(part.group, key) {
-                    parsed.vertices.push(position);
+            for instance in 0..instances.as_ref().map_or(1, Vec::len) {
+                let part =
+                    scene.part(node, &shape, instances.as_ref().map(|all| (instance, &all[instance])))?;
+                let first = weld.map.len();
+                if first + part.keys.len() > u32::MAX as usize {
+                    return Err(Fault::new("the scene shows more than 2^32 vertices"));
                 }
+                for (&key, &position) in part.keys.iter().zip(&part.positions) {
+                    if weld.push(part.group, key) {
+                        parsed.vertices.push(position);
+                    }
+                }
+                corners.extend(part.triangles.into_iter().map(|t| t.map(|v| v + first as u32)));
             }
-            corners.extend(part.triangles.into_iter().map(|t| t.map(|v| v + first as u32)));
         }
+        repeated += instances.map_or(0, |all| all.len());
     }
     let (triangles, dropped) = collapse(corners.into_iter(), &weld.map);
     parsed.triangles = triangles;
     parsed.weld = Some(weld.map);
+    parsed.notes.extend(note(
+        repeated,
+        "instances of meshes (EXT_mesh_gpu_instancing) each read as a part of the mesh",
+    ));
     parsed.notes.extend(note(dropped, "triangles with two equal corners left out"));
     parsed.notes.extend(note(others, "primitives of points or lines left out"));
     Ok(parsed)

@@ -1,6 +1,6 @@
 //! Where the nodes of a scene are.
 
-use super::accessor::get;
+use super::accessor::{Asset, get};
 use super::transform::Affine;
 use crate::error::Fault;
 use gltf::json;
@@ -25,16 +25,16 @@ pub(super) struct Pose {
 
 impl Pose {
     /// The pose that the file's nodes are in.
-    pub(super) fn rest(root: &json::Root) -> Self {
-        let wide = |v: [f32; 3]| v.map(f64::from);
-        let locals = root
+    pub(super) fn rest(asset: &Asset) -> Self {
+        let locals = asset
             .nodes
             .iter()
-            .map(|node| Local {
-                translation: node.translation.map_or([0.0; 3], wide),
-                rotation: node.rotation.as_ref().map_or([0., 0., 0., 1.], |q| q.0.map(f64::from)),
-                scale: node.scale.map_or([1.0; 3], wide),
-                matrix: node.matrix.map(|m| Affine::from_columns(&m.map(f64::from))),
+            .zip(&asset.root.nodes)
+            .map(|(exact, node)| Local {
+                translation: exact.translation.unwrap_or_default(),
+                rotation: exact.rotation.unwrap_or([0., 0., 0., 1.]),
+                scale: exact.scale.unwrap_or([1.0; 3]),
+                matrix: exact.matrix.map(|m| Affine::from_columns(&m)),
                 morph_weights: node.weights.as_ref().map(|w| w.iter().map(|&x| x.into()).collect()),
             })
             .collect();

@@ -1,6 +1,7 @@
 //! A primitive's vertices and triangles.
 
 use super::accessor::{Asset, Rows};
+use super::extensions;
 use crate::error::Fault;
 use gltf::{Semantic, json};
 use json::accessor::Type;
@@ -15,6 +16,7 @@ pub(super) fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<jso
 pub(super) fn positions(asset: &Asset, primitive: &Primitive, morph: &[f64]) -> Result<Vec<[f64; 3]>, Fault> {
     let accessor = attribute(primitive, Semantic::Positions)
         .ok_or_else(|| Fault::new("a mesh primitive has no POSITION"))?;
+    extensions::check_positions(asset, accessor)?;
     let mut positions: Vec<[f64; 3]> = asset.rows(accessor, Type::Vec3)?.iter().collect();
     for (target, &weight) in primitive.targets.iter().flatten().zip(morph) {
         let Some(accessor) = target.positions.filter(|_| weight != 0.0) else { continue };

@@ -2,9 +2,9 @@
 
 use super::accessor::{Asset, get};
 use super::pose::{Hierarchy, Pose};
-use super::skin::{self, Skin};
+use super::skin::{self, Influences, Skin};
 use super::transform::Affine;
-use super::{animation, primitive};
+use super::{animation, extensions, primitive};
 use crate::error::Fault;
 use gltf::json;
 use json::mesh::{Mesh, Primitive};
@@ -36,7 +36,17 @@ impl State {
     }
 }
 
-/// A primitive at a node.
+/// A primitive at a node, in the coordinates of its mesh.
+pub(super) struct Shape {
+    /// Positions in the rest pose, and in the one asked for.
+    still: Vec<[f64; 3]>,
+    moved: Vec<[f64; 3]>,
+    triangles: Vec<[u32; 3]>,
+    /// Of the node's skin, if it has one.
+    influences: Vec<Influences>,
+}
+
+/// A primitive at a node or an instance of it.
 pub(super) struct Part {
     /// Positions in the world.
     pub positions: Vec<[f64; 3]>,
@@ -49,7 +59,7 @@ pub(super) struct Part {
 impl<'a> Scene<'a> {
     pub(super) fn new(asset: &'a Asset, animation: Option<usize>, time: f64) -> Result<Self, Fault> {
         let hierarchy = Hierarchy::new(&asset.root)?;
-        let rest = Pose::rest(&asset.root);
+        let rest = Pose::rest(asset);
         let mut pose = rest.clone();
         if let Some(animation) = animation {
             animation::apply(asset, animation, time, &mut pose)?;
@@ -59,13 +69,27 @@ impl<'a> Scene<'a> {
         Ok(Self { asset, shown: hierarchy.scene, rest, posed })
     }
 
-    /// The primitive of a mesh as a node shows it; `None` for points and lines.
-    pub(super) fn part(
+    /// The transforms of a node's instances, which come before its own; `None` for a node without them.
+    pub(super) fn instances(&self, node: usize) -> Result<Option<Vec<Affine>>, Fault> {
+        let Some(instancing) = self.asset.nodes[node].instancing() else { return Ok(None) };
+        if self.asset.root.nodes[node].skin.is_some() {
+            return Err(Fault::unsupported(
+                None,
+                format!(
+                    "node {node} has a skin and instances, which has no defined meaning; export it without instancing"
+                ),
+            ));
+        }
+        extensions::instances(self.asset, instancing).map(Some)
+    }
+
+    /// The primitive of a mesh at a node, before it is placed; `None` for points and lines.
+    pub(super) fn shape(
         &self,
         node: usize,
         mesh: &Mesh,
         primitive: &Primitive,
-    ) -> Result<Option<Part>, Fault> {
+    ) -> Result<Option<Shape>, Fault> {
         let Self { asset, rest, posed, .. } = self;
         let weights = |pose: &Pose| -> Vec<f64> {
             let of_mesh = || mesh.weights.iter().flatten().map(|&w| w.into()).collect();
@@ -73,39 +97,63 @@ impl<'a> Scene<'a> {
         };
         let (rest_weights, weights) = (weights(&rest.pose), weights(&posed.pose));
         let still = primitive::positions(asset, primitive, &rest_weights)?;
-        let Some(mut triangles) = primitive::triangles(asset, primitive, still.len())? else {
+        let Some(triangles) = primitive::triangles(asset, primitive, still.len())? else {
             return Ok(None);
         };
         let moved = match weights == rest_weights {
             true => still.clone(),
             false => primitive::positions(asset, primitive, &weights)?,
         };
-        let place = |map: &Affine, points: &[[f64; 3]]| points.iter().map(|&p| map.apply(p)).collect();
+        let influences = match asset.root.nodes[node].skin {
+            Some(number) => {
+                let skin = get(&posed.skins, number.value(), "skin")?;
+                skin::influences(asset, primitive, still.len(), skin.joints.len())?
+            }
+            None => Vec::new(),
+        };
+        Ok(Some(Shape { still, moved, triangles, influences }))
+    }
 
+    /// The shape in the world, as a node or an instance of it shows it.
+    pub(super) fn part(
+        &self,
+        node: usize,
+        shape: &Shape,
+        instance: Option<(usize, &Affine)>,
+    ) -> Result<Part, Fault> {
+        let Self { asset, rest, posed, .. } = self;
+        let Shape { still, moved, influences, .. } = shape;
+        let mut triangles = shape.triangles.clone();
+        let place = |map: &Affine, points: &[[f64; 3]]| points.iter().map(|&p| map.apply(p)).collect();
+        let global = |state: &State| match instance {
+            Some((_, instance)) => state.globals[node].after(instance),
+            None => state.globals[node],
+        };
         let (positions, group, keys, orientation) = match asset.root.nodes[node].skin {
             // A skin ignores the transform of its node. Vertices are compared for welding before it moves
             // them.
             Some(number) => {
                 let skin = get(&posed.skins, number.value(), "skin")?;
-                let influences = skin::influences(asset, primitive, still.len(), skin.joints.len())?;
-                let positions = moved.iter().zip(&influences).map(|(&p, i)| skin.blend(i).apply(p)).collect();
+                let positions = moved.iter().zip(influences).map(|(&p, i)| skin.blend(i).apply(p)).collect();
                 let orientation = rest.skins[number.value()].joints[0].determinant();
-                (positions, 1 + skin.group, still, orientation)
+                (positions, 1 + skin.group, still.clone(), orientation)
             }
             None => {
-                let (map, orientation) = (&rest.globals[node], rest.globals[node].determinant());
-                // A node hidden by a scale of zero has all its vertices in one place.
+                let map = global(rest);
+                let orientation = map.determinant();
+                let number = instance.map_or(0, |i| i.0);
+                // What is hidden by a scale of zero has all its vertices in one place.
                 let (group, keys) = match orientation == 0.0 {
-                    true => (usize::MAX - node, still),
-                    false => (0, place(map, &still)),
+                    true => (usize::MAX - node - number * posed.globals.len(), still.clone()),
+                    false => (0, place(&map, still)),
                 };
-                (place(&posed.globals[node], &moved), group, keys, orientation)
+                (place(&global(posed), moved), group, keys, orientation)
             }
         };
         // A mirrored surface would be inside out.
         if orientation < 0.0 {
             triangles.iter_mut().for_each(|t| t.swap(1, 2));
         }
-        Ok(Some(Part { positions, triangles, group, keys }))
+        Ok(Part { positions, triangles, group, keys })
     }
 }

@@ -22,7 +22,6 @@ fn body(header: &Header, values: &mut impl Values) -> Result<Parsed, Fault> {
     let vertex_count = header.elements.iter().find(|e| e.name == "vertex").map_or(0, |e| e.count);
     let mut vertices = Vec::new();
     let mut polygons = Polygons::default();
-    let mut notes = Vec::new();
     for element in &header.elements {
         let smallest = element.properties.iter().map(|p| values.smallest(p.kind)).sum::<u64>();
         if element.count.saturating_mul(smallest.max(1)) > values.left() {
@@ -39,11 +38,17 @@ fn body(header: &Header, values: &mut impl Values) -> Result<Parsed, Fault> {
         }
         match element.name.as_str() {
             "vertex" => read_vertices(element, values, &mut vertices)?,
-            "face" => read_faces(element, values, vertex_count, &mut polygons)?,
-            name => {
-                if name == "tristrips" {
-                    notes.push("triangle strips left out; export the mesh as faces".to_owned());
+            "face" => read_lists(element, values, vertex_count, Lists::Faces, &mut polygons)?,
+            "tristrips" => {
+                let mut strips = Polygons::default();
+                read_lists(element, values, vertex_count, Lists::Strips, &mut strips)?;
+                let mut start = 0;
+                for &end in &strips.ends {
+                    strip(&strips.corners[start..end], &mut polygons);
+                    start = end;
                 }
+            }
+            _ => {
                 for number in 0..element.count {
                     values.begin(element, number)?;
                     for property in &element.properties {
@@ -59,7 +64,7 @@ fn body(header: &Header, values: &mut impl Values) -> Result<Parsed, Fault> {
         faces.push(&polygons.corners[start..end], &vertices);
         start = end;
     }
-    notes.extend(note(faces.skipped, "faces of fewer than three corners left out"));
+    let notes = note(faces.skipped, "faces of fewer than three corners left out").into_iter().collect();
     Ok(Parsed { vertices, triangles: faces.triangles, weld: None, polygons: faces.polygons, notes })
 }
 
@@ -98,16 +103,44 @@ fn read_vertices(element: &Element, values: &mut impl Values, out: &mut Vec<[f64
     Ok(())
 }
 
-fn read_faces(
+/// What the lists of an element are.
+#[derive(Clone, Copy, PartialEq)]
+enum Lists {
+    Faces,
+    /// Triangle strips, one after another; -1 begins a new one.
+    Strips,
+}
+
+/// Stands for -1 in a strip.
+const RESTART: u32 = u32::MAX;
+
+/// The triangles of strips: each corner from the third on makes one with the two before it, turned at every
+/// second.
+fn strip(corners: &[u32], out: &mut Polygons) {
+    for strip in corners.split(|&v| v == RESTART) {
+        for (i, w) in strip.windows(3).enumerate() {
+            let triangle = if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] };
+            // Strips repeat vertices to jump; such triangles are not part of the surface.
+            if triangle[0] != triangle[1] && triangle[1] != triangle[2] && triangle[2] != triangle[0] {
+                out.corners.extend(triangle);
+                out.ends.push(out.corners.len());
+            }
+        }
+    }
+}
+
+fn read_lists(
     element: &Element,
     values: &mut impl Values,
     vertices: u64,
+    lists: Lists,
     out: &mut Polygons,
 ) -> Result<(), Fault> {
+    let what = if lists == Lists::Strips { "strip" } else { "face" };
     let corners = |name: &str| name == "vertex_indices" || name == "vertex_index";
     let list = element.properties.iter().position(|p| corners(&p.name));
     let Some(list) = list.filter(|&i| matches!(element.properties[i].kind, Kind::List { .. })) else {
-        return Err(Fault::at(element.line, "faces have no list property \"vertex_indices\""));
+        return Err(Fault::at(element.line, format!("{what}s have no list property \"vertex_indices\"")));
     };
     out.ends.reserve_exact(element.count as usize);
     for number in 0..element.count {
@@ -123,9 +156,14 @@ fn read_faces(
             }
             for _ in 0..values.list_length(count)? {
                 let index = values.scalar(item)?;
+                // -1, also as an unsigned number.
+                if lists == Lists::Strips && (index == -1.0 || index == f64::from(u32::MAX)) {
+                    out.corners.push(RESTART);
+                    continue;
+                }
                 if !(index >= 0.0 && index < vertices as f64 && index.fract() == 0.0) {
                     return Err(values.fault(format!(
-                        "face {number} names vertex {index}, but there are {vertices} vertices (numbered from 0)"
+                        "{what} {number} names vertex {index}, but there are {vertices} vertices (numbered from 0)"
                     )));
                 }
                 out.corners.push(index as u32);
@@ -198,6 +236,35 @@ mod tests {
             assert_eq!(parsed.triangles, [[0, 1, 2], [0, 2, 3], [0, 2, 1]]);
             assert_eq!(parsed.polygons, 1);
         }
+    }
+
+    #[test]
+    fn strips_turn_at_every_second_triangle_and_restart() {
+        let header = "element vertex 5\nproperty float x\nproperty float y\nproperty float z\n\
+            element tristrips 1\nproperty list int int vertex_indices\n";
+        let vertices = "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n";
+        // The last strip jumps over a vertex that is repeated.
+        let ascii = format!(
+            "ply\nformat ascii 1.0\n{header}end_header\n{vertices}15 0 1 2 3 4 -1 1 3 2 -1 0 1 2 2 3\n"
+        );
+        let expected = [[0, 1, 2], [2, 1, 3], [2, 3, 4], [1, 3, 2], [0, 1, 2]];
+        assert_eq!(parse(ascii.as_bytes()).unwrap().triangles, expected);
+        let mut binary = format!("ply\nformat binary_big_endian 1.0\n{header}end_header\n").into_bytes();
+        for x in vertices.split_whitespace() {
+            binary.extend(x.parse::<f32>().unwrap().to_be_bytes());
+        }
+        for x in [15, 0, 1, 2, 3, 4, -1, 1, 3, 2, -1, 0, 1, 2, 2, 3i32] {
+            binary.extend(x.to_be_bytes());
+        }
+        let read = parse(&binary).unwrap();
+        assert_eq!((read.triangles, read.notes.len()), (expected.to_vec(), 0));
+        // Beside faces, and with a corner that is not there.
+        let both = format!(
+            "ply\nformat ascii 1.0\n{header}element face 1\nproperty list uchar int vertex_index\nend_header\n{vertices}3 0 1 2\n3 1 3 2\n"
+        );
+        assert_eq!(parse(both.as_bytes()).unwrap().triangles, [[0, 1, 2], [1, 3, 2]]);
+        let fault = parse(both.replace("3 0 1 2\n", "3 0 1 5\n").as_bytes()).map(|_| ()).unwrap_err();
+        assert!(fault.into_reason().starts_with("strip 0 names vertex 5, but there are 5"));
     }
 
     #[test]

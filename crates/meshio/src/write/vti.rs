@@ -33,8 +33,9 @@ impl VoxelValues<'_> {
     }
 }
 
-/// Writes a voxel grid as VTK's ImageData (`.vti`), as ParaView opens it: cell data over the whole
-/// box, x fastest, among them `inside` (1 for occupied voxels, 0 for empty ones).
+/// Writes a voxel grid as VTK's ImageData (`.vti`), as ParaView opens it: cell data over the box of the
+/// occupied voxels and one voxel around it, x fastest, among them `inside` (1 for occupied voxels, 0 for empty
+/// ones). The extent says which part of the grid that is, so that cell (i, j, k) is voxel (i, j, k).
 ///
 /// # Errors
 /// [`MeshIoError::File`]; [`MeshIoError::Shape`] for a field of another length;
@@ -49,29 +50,38 @@ pub fn write_vti(path: &Path, grid: &VoxelGrid, fields: &[VoxelField]) -> Result
         }
     }
     let frame = grid.frame();
-    let [nx, ny, nz] = frame.dims();
-    let cells = nx as u64 * ny as u64 * nz as u64;
+    let extent = extent(grid);
+    let cells: u64 = extent.iter().map(|[from, to]| to - from).product();
+    let [[x0, x1], [y0, y1], [z0, z1]] = extent;
     let triple = |v: [f64; 3]| format!("{:?} {:?} {:?}", v[0], v[1], v[2]);
+    // Row by row, a column for each axis. VTK 9 and ParaView 5.8 read it; older ones pass over it.
+    let directions = frame.directions();
+    let direction = |row: usize| directions.map(|axis| axis[row]);
     let mut file = VtkFile::new("ImageData");
     file.line(&format!(
-        "<ImageData WholeExtent=\"0 {nx} 0 {ny} 0 {nz}\" Origin=\"{}\" Spacing=\"{}\">",
+        "<ImageData WholeExtent=\"{x0} {x1} {y0} {y1} {z0} {z1}\" Origin=\"{}\" Spacing=\"{}\" Direction=\"{} {} {}\">",
         triple(frame.origin()),
-        triple(frame.spacing())
+        triple(frame.spacing()),
+        triple(direction(0)),
+        triple(direction(1)),
+        triple(direction(2))
     ));
     let active = fields.first().map_or("inside", |f| f.name);
-    file.line(&format!("<Piece Extent=\"0 {nx} 0 {ny} 0 {nz}\">\n<CellData Scalars=\"{active}\">"));
+    file.line(&format!("<Piece Extent=\"{x0} {x1} {y0} {y1} {z0} {z1}\">\n<CellData Scalars=\"{active}\">"));
     for field in fields {
         let (kind, write): (_, Box<dyn Fn(&mut dyn Write) -> io::Result<()>>) = match field.values {
             VoxelValues::Labels(labels) => (
                 INT32,
                 Box::new(move |out| {
-                    each_cell(grid, |voxel| out.write_all(&voxel.map_or(-2, |v| labels[v]).to_le_bytes()))
+                    each_cell(grid, extent, |voxel| {
+                        out.write_all(&voxel.map_or(-2, |v| labels[v]).to_le_bytes())
+                    })
                 }),
             ),
             VoxelValues::Numbers(numbers) => (
                 FLOAT64,
                 Box::new(move |out| {
-                    each_cell(grid, |voxel| {
+                    each_cell(grid, extent, |voxel| {
                         out.write_all(&voxel.map_or(f64::NAN, |v| numbers[v]).to_le_bytes())
                     })
                 }),
@@ -84,21 +94,42 @@ pub fn write_vti(path: &Path, grid: &VoxelGrid, fields: &[VoxelField]) -> Result
         name: "inside",
         components: 1,
         rows: cells,
-        write: Box::new(|out| each_cell(grid, |voxel| out.write_all(&[voxel.is_some().into()]))),
+        write: Box::new(|out| each_cell(grid, extent, |voxel| out.write_all(&[voxel.is_some().into()]))),
     });
     file.line("</CellData>\n</Piece>");
     Ok(write_atomically(path, |out| file.write(out))?)
 }
 
-/// Every cell of the box, x fastest, with the number of its voxel if it is occupied.
-fn each_cell(grid: &VoxelGrid, mut write: impl FnMut(Option<usize>) -> io::Result<()>) -> io::Result<()> {
-    let [nx, ny, nz] = grid.frame().dims();
+/// The part of the grid that holds the occupied voxels, and a voxel around it: from and to along each axis.
+fn extent(grid: &VoxelGrid) -> [[u64; 2]; 3] {
+    let dims = grid.frame().dims();
+    let mut extent = [[u64::MAX, 0]; 3];
+    for voxel in grid.voxels() {
+        for a in 0..3 {
+            let [from, to] = &mut extent[a];
+            (*from, *to) = ((*from).min(voxel[a].into()), (*to).max(u64::from(voxel[a]) + 1));
+        }
+    }
+    if grid.is_empty() {
+        return dims.map(|d| [0, d as u64]);
+    }
+    std::array::from_fn(|a| [extent[a][0].saturating_sub(1), (extent[a][1] + 1).min(dims[a] as u64)])
+}
+
+/// Every cell of a part of the grid, x fastest, with the number of its voxel if it is occupied. The part holds all voxels.
+fn each_cell(
+    grid: &VoxelGrid,
+    [[x0, x1], [y0, y1], [z0, z1]]: [[u64; 2]; 3],
+    mut write: impl FnMut(Option<usize>) -> io::Result<()>,
+) -> io::Result<()> {
     let mut next = 0;
-    for row in 0..ny * nz {
-        for i in 0..nx {
-            let inside = grid.occupancy().get([i as u32, (row % ny) as u32, (row / ny) as u32]);
-            write(inside.then_some(next))?;
-            next += usize::from(inside);
+    for k in z0..z1 {
+        for j in y0..y1 {
+            for i in x0..x1 {
+                let inside = grid.occupancy().get([i as u32, j as u32, k as u32]);
+                write(inside.then_some(next))?;
+                next += usize::from(inside);
+            }
         }
     }
     Ok(())

@@ -154,3 +154,96 @@ fn a_time_or_an_animation_that_cannot_be_is_an_error() {
     assert!(message(MeshFormat::Gltf, &bytes, Some("4"), 0.0).contains("3 \"weights\" (2.00 s)"));
     assert!(message(MeshFormat::Off, b"OFF", Some("0"), 0.0).contains("has no animations"));
 }
+
+#[test]
+fn instances_are_parts_of_the_mesh() {
+    let mut g = Gltf::default();
+    let (position, sides) = (g.points(&CORNERS), g.indices(&SIDES));
+    let places = g.points(&[[10., 0., 0.], [0., 0., 0.], [0., 20., 0.]]);
+    // No turn, a quarter turn about z, a half turn about x, as normalized 16-bit numbers.
+    let turns: [[i16; 4]; 3] = [[0, 0, 0, 32767], [0, 0, 23170, 23170], [32767, 0, 0, 0]];
+    let view = g.view(turns.as_flattened().iter().flat_map(|x| x.to_le_bytes()));
+    let turns = g.accessor(format!(
+        r#"{{"bufferView":{view},"componentType":5122,"normalized":true,"count":3,"type":"VEC4"}}"#
+    ));
+    let sizes = g.points(&[[1., 1., 1.], [2., 2., 2.], [1., 1., -3.]]);
+    let members = |attributes: &str| {
+        format!(
+            r#""extensionsUsed":["EXT_mesh_gpu_instancing"],"extensionsRequired":["EXT_mesh_gpu_instancing"],
+            "nodes":[{{"mesh":0,"translation":[0,0,100],"extensions":{{"EXT_mesh_gpu_instancing":{{"attributes":{{{attributes}}}}}}}}}],
+            "meshes":[{{"primitives":[{{"attributes":{{"POSITION":{position}}},"indices":{sides}}}]}}]"#
+        )
+    };
+    let all = members(&format!(r#""TRANSLATION":{places},"ROTATION":{turns},"SCALE":{sizes},"_ID":9"#));
+    let read_all = read(&g.gltf(&all), None, 0.0);
+    let first = [[10., 0., 100.], [11., 0., 100.], [10., 1., 100.], [10., 0., 101.]];
+    let second = [[0., 0., 100.], [0., 2., 100.], [-2., 0., 100.], [0., 0., 102.]];
+    let third = [[0., 20., 100.], [1., 20., 100.], [0., 19., 100.], [0., 20., 103.]];
+    assert_near(read_all.mesh.vertices(), &[first, second, third].concat(), 1e-9);
+    // A mirrored instance is not inside out.
+    assert!((read_all.mesh.signed_volume() - (1. + 8. + 3.) / 6.).abs() < 1e-9);
+    let note = "3 instances of meshes (EXT_mesh_gpu_instancing) each read as a part of the mesh";
+    assert_eq!(read_all.notes, [note]);
+    let places_only = read(&g.gltf(&members(&format!(r#""TRANSLATION":{places}"#))), None, 0.0);
+    assert!((places_only.mesh.signed_volume() - 0.5).abs() < 1e-9);
+
+    let refused = |attributes: &str| {
+        let bytes = g.gltf(&members(attributes));
+        read_mesh_from(MeshFormat::Gltf, &bytes, Path::new("a"), &ReadOptions::default())
+            .unwrap_err()
+            .to_string()
+    };
+    assert!(refused(r#""_ID":0"#).contains("without TRANSLATION"));
+    assert!(refused(&format!(r#""TRANSLATION":{places},"SCALE":{position}"#)).contains("different counts"));
+}
+
+#[test]
+fn quantized_positions_are_what_they_stand_for() {
+    let mut g = Gltf::default();
+    // Normalized 16-bit numbers, whose half is 0.5 but for rounding, in rows of 8 bytes.
+    let rows: Vec<[u16; 4]> =
+        CORNERS.iter().map(|p| [0, 1, 2, 3].map(|a| if a < 3 { p[a] as u16 * 65535 } else { 7 })).collect();
+    let view = g.view(rows.as_flattened().iter().flat_map(|x| x.to_le_bytes()));
+    g.views[view] = g.views[view].replace('}', r#","byteStride":8}"#);
+    let normalized = g.accessor(format!(
+        r#"{{"bufferView":{view},"componentType":5123,"normalized":true,"count":4,"type":"VEC3"}}"#
+    ));
+    // Plain bytes, signed.
+    let view = g.view(
+        CORNERS
+            .iter()
+            .flat_map(|p| [p[0] as i8 * 100, p[1] as i8 * -100, p[2] as i8 * 50, 0])
+            .map(|x| x as u8),
+    );
+    g.views[view] = g.views[view].replace('}', r#","byteStride":4}"#);
+    let plain =
+        g.accessor(format!(r#"{{"bufferView":{view},"componentType":5120,"count":4,"type":"VEC3"}}"#));
+    let sides = g.indices(&SIDES);
+    let primitive =
+        |p: usize| format!(r#"{{"primitives":[{{"attributes":{{"POSITION":{p}}},"indices":{sides}}}]}}"#);
+    let bytes = g.gltf(&format!(
+        r#""extensionsRequired":["KHR_mesh_quantization","KHR_texture_transform","KHR_materials_unlit"],
+        "nodes":[{{"mesh":0,"scale":[2,2,2]}},{{"mesh":1,"scale":[0.5,0.5,0.5],"translation":[0,0,-200]}}],
+        "meshes":[{},{}]"#,
+        primitive(normalized),
+        primitive(plain)
+    ));
+    let read = read(&bytes, None, 0.0);
+    let first = [[0., 0., 0.], [2., 0., 0.], [0., 2., 0.], [0., 0., 2.]];
+    let second = [[0., 0., -200.], [50., 0., -200.], [0., -50., -200.], [0., 0., -175.]];
+    assert_near(read.mesh.vertices(), &[first, second].concat(), 0.0);
+}
+
+#[test]
+fn packed_meshes_that_are_not_required_to_be_understood_are_refused_too() {
+    let mut g = Gltf::default();
+    let position = g.accessor(r#"{"componentType":5126,"count":4,"type":"VEC3"}"#.to_owned());
+    let sides = g.indices(&SIDES);
+    let bytes = g.gltf(&format!(
+        r#""extensionsUsed":["KHR_draco_mesh_compression"],"nodes":[{{"mesh":0}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":{position}}},"indices":{sides}}}]}}]"#
+    ));
+    let error =
+        read_mesh_from(MeshFormat::Gltf, &bytes, Path::new("a"), &ReadOptions::default()).unwrap_err();
+    assert!(error.to_string().contains("packed by KHR_draco_mesh_compression"), "{error}");
+}

@@ -3,6 +3,8 @@
 mod common;
 
 mod bad_files;
+mod cases;
+mod cells;
 mod gltf;
 mod mutations;
 mod real_files;

@@ -5,6 +5,7 @@ use crate::common::bar;
 use mser3d_meshio::{MeshFormat, ReadOptions, read_mesh_from};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
+use std::io::Write;
 use std::path::Path;
 
 /// A good file of each format and variant.
@@ -55,6 +56,26 @@ fn good_files() -> Vec<(MeshFormat, Vec<u8>)> {
     let facet =
         "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1e0 0\nendloop\nendfacet\n";
     files.push((MeshFormat::Stl, format!("solid a\n{facet}{facet}endsolid a\n").into_bytes()));
+    let strips = "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement tristrips 1\n\
+        property list int int vertex_indices\nend_header\n";
+    let strips = format!("ply\nformat ascii 1.0\n{strips}0 0 0\n1 0 0\n0 1 0\n0 0 1\n8 0 1 2 3 -1 1 2 0\n");
+    files.push((MeshFormat::Ply, strips.into_bytes()));
+    files.push((MeshFormat::Off, b"OFF 3 2 0\n0 0 0 1 0 0\n0 1 0\n3 0\n1 2\n3 0 2 1 9\n".to_vec()));
+    let polygons = "# vtk DataFile Version 3.0\na\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n0 0 0 1 0 0 0 1 0 0 0 1\n\
+        POLYGONS 2 9\n4 0 1 2 3\n3 0 2 3\nTRIANGLE_STRIPS 1 5\n4 0 1 2 3\nLINES 1 3\n2 0 1\nCELL_DATA 4\n\
+        SCALARS region int\nLOOKUP_TABLE default\n1 2 3 4\n";
+    files.push((MeshFormat::Vtk, polygons.as_bytes().to_vec()));
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/files");
+    let mut names: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    names.sort();
+    for path in names {
+        if let Some(format) = MeshFormat::from_extension(&path) {
+            files.push((format, std::fs::read(&path).unwrap()));
+        }
+    }
+    let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+    packed.write_all(off).unwrap();
+    files.push((MeshFormat::Off, packed.finish().unwrap()));
     let (g, members) = bar();
     files.push((MeshFormat::Gltf, g.gltf(&members)));
     files.push((MeshFormat::Glb, g.glb(&members)));

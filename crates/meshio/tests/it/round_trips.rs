@@ -1,10 +1,11 @@
 //! What is written is read back.
 
 use mser3d_meshio::{
-    ReadOptions, VertexAttributes, VoxelField, VoxelValues, read_mesh, write_glb, write_off, write_ply,
-    write_vti, write_vtp,
+    ReadOptions, VertexAttributes, VoxelField, VoxelValues, list_animations, read_mesh, write_glb, write_off,
+    write_ply, write_vti, write_vtp,
 };
 use mser3d_shape::{BitGrid, Frame, TriangleMesh, VoxelGrid};
+use std::io::Write;
 use std::path::PathBuf;
 
 /// Duplicates, an unused vertex, coordinates that need 17 digits, a degenerate triangle.
@@ -56,7 +57,7 @@ fn glb_comes_back_welded_in_single_precision() {
     let mesh = mesh();
     let (colors, regions) = (vec![[255, 0, 128]; 6], vec![-1; 6]);
     let attributes = VertexAttributes { colors: Some(&colors), regions: Some(&regions), normals: None };
-    write_glb(&path("a.glb"), &mesh, &attributes).unwrap();
+    let notes = write_glb(&path("a.glb"), &mesh, &attributes).unwrap();
     let read = read_mesh(&path("a.glb"), &ReadOptions::default()).unwrap();
     // 1e-300 is 0 in f32, so 1 and 3 meet; so do 4 and 5.
     assert_eq!(read.weld.as_deref(), Some(&[0, 1, 2, 1, 3, 3][..]));
@@ -64,8 +65,77 @@ fn glb_comes_back_welded_in_single_precision() {
     assert_eq!(read.notes, ["2 triangles with two equal corners left out"]);
     assert_eq!(read.mesh.vertices()[3], [0.0, 1.0, 16777216.0]);
 
+    let note = "1 vertices fall on another one in the 32-bit numbers of glTF; write .ply to keep them apart";
+    assert_eq!(notes, [note]);
+
     let huge = mesh.with_vertices(vec![[1e39; 3]; 6]).unwrap();
     assert!(write_glb(&path("b.glb"), &huge, &VertexAttributes::default()).is_err());
+}
+
+#[test]
+fn glb_keeps_its_shape_wherever_it_is() {
+    let (_folder, path) = folder();
+    // A tetrahedron with odd digits, and a vertex at the origin that nothing uses.
+    let shape = [[0.0; 3], [0.123456, 0.0, 0.1], [1.0, 0.3, 0.0], [0.2, 0.87654321, 0.4], [0.1, 0.25, 0.98]];
+    for (size, place) in [
+        (1.0, [0.0, 0.0, 0.0]),
+        (1.0, [0.4, -0.5, 0.0]),
+        (100.0, [512345.678, 4649776.22, 312.0]),
+        (0.1, [512345.678, -4649776.22, 0.0]),
+        (1e-3, [0.0, 1e6, 0.0]),
+        (1e-3, [1e-2, 0.0, 0.0]),
+        (1e20, [1e22, 0.0, 3e20]),
+    ] {
+        let mut vertices: Vec<[f64; 3]> =
+            shape.iter().map(|p| std::array::from_fn(|a| size * p[a] + place[a])).collect();
+        vertices[0] = [0.0; 3];
+        let mesh = TriangleMesh::new(vertices, vec![[1, 3, 2], [1, 2, 4], [2, 3, 4], [1, 4, 3]]).unwrap();
+        let notes = write_glb(&path("a.glb"), &mesh, &VertexAttributes::default()).unwrap();
+        assert!(notes.is_empty(), "{notes:?}");
+        let back = read_mesh(&path("a.glb"), &ReadOptions::default()).unwrap().mesh;
+        assert_eq!(back.triangles(), mesh.triangles());
+        for (a, b) in back.vertices().iter().zip(mesh.vertices()).skip(1) {
+            // The second term is what f64 itself cuts off there.
+            let allowed = |i: usize| 6e-8 * size + 4.0 * f64::EPSILON * b[i].abs();
+            assert!((0..3).all(|i| (a[i] - b[i]).abs() <= allowed(i)), "{size} at {place:?}: {a:?} {b:?}");
+        }
+    }
+}
+
+#[test]
+fn vtp_is_read_back() {
+    let (_folder, path) = folder();
+    let (mesh, regions) = (mesh(), [-1, 0, 1, 2, 3, 4]);
+    let attributes = VertexAttributes { regions: Some(&regions), ..Default::default() };
+    write_vtp(&path("a.vtp"), &mesh, &attributes).unwrap();
+    let read = read_mesh(&path("a.vtp"), &ReadOptions::default()).unwrap();
+    assert_eq!((read.mesh, read.notes.len()), (mesh, 0));
+}
+
+#[test]
+fn packed_files_are_read_as_what_is_in_them() {
+    let (_folder, path) = folder();
+    let mesh = mesh();
+    let pack = |from: &str, to: &str| {
+        let mut out = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+        out.write_all(&std::fs::read(path(from)).unwrap()).unwrap();
+        std::fs::write(path(to), out.finish().unwrap()).unwrap();
+    };
+    write_off(&path("a.off"), &mesh).unwrap();
+    write_ply(&path("a.ply"), &mesh, &VertexAttributes::default()).unwrap();
+    write_vtp(&path("a.vtp"), &mesh, &VertexAttributes::default()).unwrap();
+    write_glb(&path("a.glb"), &mesh, &VertexAttributes::default()).unwrap();
+    for name in ["a.off", "a.ply", "a.vtp", "a.glb"] {
+        let plain = read_mesh(&path(name), &ReadOptions::default()).unwrap();
+        // With the ending and without, as browsers and copying may change it.
+        for packed in [format!("{name}.gz"), format!("{name}.GZ"), name.replace("a.", "b.")] {
+            pack(name, &packed);
+            assert_eq!(read_mesh(&path(&packed), &ReadOptions::default()).unwrap(), plain, "{packed}");
+        }
+        assert!(list_animations(&path(&format!("{name}.gz"))).unwrap().is_empty());
+        std::fs::copy(path(name), path(&format!("{name}.gz"))).unwrap();
+        assert_eq!(read_mesh(&path(&format!("{name}.gz")), &ReadOptions::default()).unwrap(), plain);
+    }
 }
 
 #[test]

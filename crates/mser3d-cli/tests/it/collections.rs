@@ -267,7 +267,7 @@ fn what_cannot_be_compared_is_refused() {
     assert_fails(&run("query", "empty", "a"), 1, &["no collection", "mser3d batch"]);
     let regions = path("b").join("regions.json");
     let record = fs::read_to_string(&regions).unwrap();
-    fs::write(&regions, record.replacen("\"format\": 2", "\"format\": 77", 1)).unwrap();
+    fs::write(&regions, record.replacen("\"format\": 3", "\"format\": 77", 1)).unwrap();
     assert_fails(&run("match", "a", "b"), 1, &["format 77", "detect` again"]);
     let output = batch_command(&[path("empty")], &path("c"), "").output().unwrap();
     assert_fails(&output, 1, &["no shapes in this folder"]);

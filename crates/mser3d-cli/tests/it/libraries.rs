@@ -6,10 +6,10 @@ use std::path::Path;
 use crate::common::*;
 use mser3d::shape::{BitGrid, Frame, TriangleMesh, VoxelGrid};
 use mser3d::voxelize::Pitch;
-use mser3d::{Detector, Domain, Features, Input, Parameters};
-use mser3d_collection::{BatchParameters, plan, run_batch};
+use mser3d::{Bodies, Detector, Domain, Features, Input, Parameters};
+use mser3d_collection::{BatchParameters, PlanParameters, plan, run_batch};
 use mser3d_meshio::{ReadOptions, read_mesh};
-use mser3d_results::{Record, Results, ShapeFile};
+use mser3d_results::{Record, Results, ShapeFile, ShapeOptions};
 
 fn parameters() -> Parameters {
     let mut parameters = Parameters::default();
@@ -46,9 +46,9 @@ fn a_folder_of_the_library_is_viewed_rendered_matched_exported_and_searched() {
     assert!(succeeds(&[&"match", &rest, &walk]).contains("regions matched"));
     let shapes = ["rest", "walk"].map(|pose| fixtures().join(format!("human_{pose}.off")));
     let collection = folder.path().join("collection");
-    let (jobs, batch) = (plan(&shapes, None).unwrap(), BatchParameters::default());
+    let (plan, batch) = (plan(&shapes, &PlanParameters::default()).unwrap(), BatchParameters::default());
     let detector = Detector::new(parameters());
-    run_batch(&collection, jobs, Domain::Volume, &detector, &batch, &|_| {}).unwrap();
+    run_batch(&collection, &plan, Domain::Volume, &detector, &batch, &|_| {}).unwrap();
     let found = succeeds(&[&"query", &collection, &walk, &"-k", &"1"]);
     assert!(found.contains("human_walk"), "{found}");
 }
@@ -82,7 +82,7 @@ fn assert_alike(file: &Path, options: &str, features: &Features) {
     let output = detect(file, folder.path(), &format!("{options} --quiet"));
     assert!(output.status.success(), "{}", text(&output.stderr));
     let record = Record::load(folder.path()).unwrap();
-    let shape = ShapeFile::read(file, &ReadOptions::default());
+    let shape = ShapeFile::read(file, &ShapeOptions::default());
     let ours = Record::new(features, shape.unwrap().identity(), &[]);
     let texts = |r: &Record| r.regions.iter().map(|r| format!("{r:?}")).collect::<Vec<_>>();
     assert_eq!(texts(&record), texts(&ours));
@@ -96,7 +96,8 @@ fn mask(dims: [usize; 3], inside: impl Fn(usize, usize, usize) -> bool) -> Voxel
     for voxel @ [x, y, z] in BitGrid::full(dims).unwrap().ones() {
         bits.set(voxel, inside(x as usize, y as usize, z as usize));
     }
-    VoxelGrid::solid(Frame::new(dims, [0.0; 3], [1.0; 3]).unwrap(), bits).unwrap()
+    // An array has its first voxel's centre at 0.
+    VoxelGrid::solid(Frame::new(dims, [-0.5; 3], [1.0; 3]).unwrap(), bits).unwrap()
 }
 
 #[test]
@@ -105,7 +106,7 @@ fn a_mask_of_64_voxels_has_the_eigenpairs_there_are() {
     let path = folder.path().join("few.npy");
     fs::write(&path, npy([4, 4, 4], |_, _, _| true)).unwrap();
     let features = Detector::default().detect(Input::Solid(&mask([4; 3], |_, _, _| true))).unwrap();
-    assert_eq!(features.basis.eigenvalues().len(), 64);
+    assert_eq!(features.bodies[0].basis.eigenvalues().len(), 64);
     assert!(features.warnings[0].to_string().contains("only 64 eigenpairs"), "{:?}", features.warnings);
     assert_alike(&path, "", &features);
 }
@@ -123,16 +124,16 @@ fn of_two_bodies_in_a_mask_the_larger_is_searched() {
     assert_alike(&path, "", &features);
     // Both, for who wants them.
     let mut both = Parameters::default();
-    both.voxelize.largest_only = false;
+    both.bodies = Bodies::Join;
     let features = Detector::new(both).detect(Input::Solid(&mask([16, 9, 9], inside))).unwrap();
-    assert_eq!((features.shape.len(), features.spectrum.zero_modes), (12 * 9 * 9 + 108, 2));
+    assert_eq!((features.shape.len(), features.bodies[0].spectrum.zero_modes), (12 * 9 * 9 + 108, 2));
 }
 
 #[test]
 fn an_animation_at_a_time_is_that_pose() {
     let path = fixtures().join("human.glb");
     let pose = ReadOptions { animation: Some("poses".to_owned()), time: 1.0 };
-    let file = ShapeFile::read(&path, &pose).unwrap();
+    let file = ShapeFile::read(&path, &ShapeOptions { pose, ..Default::default() }).unwrap();
     let features = Detector::new(parameters()).detect(file.input(Domain::Volume).unwrap()).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let library = folder.path().join("library");

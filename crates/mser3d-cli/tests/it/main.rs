@@ -12,4 +12,5 @@ mod results;
 mod shell;
 #[cfg(unix)]
 mod system;
+mod volumes;
 mod voxelize;

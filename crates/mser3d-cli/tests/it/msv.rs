@@ -3,7 +3,7 @@
 use std::process::Command;
 
 use crate::common::{assert_fails, mser3d};
-use mser3d_volumeio::{Placement, Samples, Volume, read_volume, write_nifti};
+use mser3d_volumeio::{Affine, Samples, Volume, read_volume, write_nifti};
 
 fn msv(arguments: &[&std::ffi::OsStr]) -> std::process::Output {
     Command::new(env!("CARGO_BIN_EXE_mser3d")).arg("msv").args(arguments).output().unwrap()
@@ -26,8 +26,8 @@ fn a_dark_ball_and_a_bright_box_are_found_where_they_lie() {
             150
         }
     };
-    let placement = Placement { origin: [10.0, 0.0, 0.0], spacing: [0.5, 1.0, 1.0], ..Default::default() };
-    let volume = Volume::new(dims, 1, placement, (0..24 * 16 * 12).map(value).collect::<Vec<_>>()).unwrap();
+    let affine = Affine::along_axes([10.0, 0.0, 0.0], [0.5, 1.0, 1.0]).unwrap();
+    let volume = Volume::new(dims, 1, affine, (0..24 * 16 * 12).map(value).collect::<Vec<_>>()).unwrap();
     write_nifti(&path, &volume).unwrap();
     let done = msv(&[path.as_ref(), "-o".as_ref(), out.as_ref()]);
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
@@ -49,7 +49,7 @@ fn a_dark_ball_and_a_bright_box_are_found_where_they_lie() {
     let semi_axis = |n: f64, h: f64| h * (5.0 * (n * n - 1.0) / 12.0).sqrt();
     close(numbers(&region(1)["semi_axes"]), [semi_axis(7.0, 0.5), semi_axis(3.0, 1.0), semi_axis(3.0, 1.0)]);
 
-    let labels = read_volume(&out.join("labels.npy")).unwrap();
+    let labels = read_volume(&out.join("labels.npy")).unwrap().volume;
     assert_eq!((labels.dims(), labels.channels()), (dims, 2));
     let Samples::I32(labels) = labels.samples() else { panic!("{:?}", labels.samples().type_name()) };
     for (voxel, label) in labels.chunks(2).enumerate() {
@@ -77,7 +77,7 @@ fn wrong_use_and_unreadable_volumes_are_told_apart() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let path = folder.path().join("v.nii");
-    write_nifti(&path, &Volume::new([2, 2, 2], 1, Placement::default(), vec![1u8; 8]).unwrap()).unwrap();
+    write_nifti(&path, &Volume::new([2, 2, 2], 1, Affine::default(), vec![1u8; 8]).unwrap()).unwrap();
     let code = |arguments: &[&std::ffi::OsStr]| msv(arguments).status.code();
     let output: [&std::ffi::OsStr; 2] = ["-o".as_ref(), out.as_ref()];
     let with = |more: &[&'static str], path: &std::path::Path| {

@@ -87,8 +87,9 @@ fn a_volume_writes_four_files_that_agree() {
     let arrays = Arrays::read(folder.path());
     let (vertices, voxels) = (arrays.members("region_vertices"), arrays.members("region_voxels"));
     let index = arrays.integers("voxel_index");
-    let (origin, pitch) = (arrays.reals("grid_origin"), arrays.reals("pitch")[0]);
-    assert_eq!(arrays.0["pitch"].shape(), [0usize; 0]);
+    let affine = arrays.reals("grid_affine");
+    assert_eq!(arrays.0["grid_affine"].shape(), [4, 4]);
+    let pitch = affine[0];
     let count = index.len() / 3;
     assert_eq!(arrays.0["voxel_index"].shape(), [count, 3]);
     assert_eq!(report["voxelization"]["voxels"], count);
@@ -105,8 +106,8 @@ fn a_volume_writes_four_files_that_agree() {
         assert!(region["altitude"].as_f64().unwrap() > 0.0);
         assert!(region["stability"].is_number() || region["stability"] == "Infinity");
         for axis in 0..3 {
-            let sum: f64 = voxels[id].iter().map(|&v| index[3 * v as usize + axis] as f64 + 0.5).sum();
-            let centre = origin[axis] + pitch * sum / voxels[id].len() as f64;
+            let sum: f64 = voxels[id].iter().map(|&v| index[3 * v as usize + axis] as f64).sum();
+            let centre = affine[4 * axis + 3] + pitch * sum / voxels[id].len() as f64;
             assert!((region["centroid"][axis].as_f64().unwrap() - centre).abs() < 1e-9);
         }
         let contains = |&other: &usize| other != id && voxels[id].is_subset(&voxels[other]);
@@ -196,7 +197,8 @@ fn a_mask_is_a_solid_without_vertices() {
     assert!(list(&report, "regions").iter().find(handle).is_some());
     let arrays = Arrays::read(&out);
     assert_eq!(arrays.integers("voxel_index").len(), 3 * (12 * 12 * 12 + 16 * 4 * 4));
-    assert_eq!((arrays.reals("pitch"), arrays.reals("grid_origin")), (vec![0.5], vec![0.0; 3]));
+    let affine = [0.5, 0., 0., 0., 0., 0.5, 0., 0., 0., 0., 0.5, 0., 0., 0., 0., 1.];
+    assert_eq!(arrays.reals("grid_affine"), affine);
     assert!(!arrays.0.contains_key("region_vertices") && !out.join("surface.ply").exists());
     // The speck is worth a word to who looks.
     let output = detect(&path, &out, "--eigenpairs 40");
@@ -305,6 +307,12 @@ fn inspect_tells_what_is_wrong_with_a_mesh() {
     let mask = folder.path().join("mask.npy");
     fs::write(&mask, npy([5, 6, 7], |_, _, z| z > 0)).unwrap();
     let (said, found) = inspect(&mask);
-    assert_eq!((&found["mask"]["voxels"], &found["estimate"]["elements"]), (&180.into(), &180.into()));
-    assert!(said.contains("5 x 6 x 7 voxels, 180 inside"), "{said}");
+    assert_eq!(
+        (&found["volume"]["body"]["voxels"], &found["estimate"]["elements"]),
+        (&180.into(), &180.into())
+    );
+    assert!(
+        said.contains("5 x 6 x 7 voxels of 1 x 1 x 1") && said.contains("180 voxels in 1 piece"),
+        "{said}"
+    );
 }

@@ -38,7 +38,7 @@ impl MsvResults {
         let voxels = dims.iter().product();
         let interleaved: Vec<i32> =
             (0..voxels).flat_map(|v| numbers.iter().map(move |search: &Vec<i32>| search[v])).collect();
-        let labels = Volume::new(dims, numbers.len(), self.record.placement, interleaved)?;
+        let labels = Volume::new(dims, numbers.len(), self.record.affine, interleaved)?;
         write_npy(&folder.join("labels.npy"), &labels)?;
         let grid = VoxelGrid::solid(labels.frame()?, BitGrid::full(dims)?)?;
         let searches = self.record.searches.iter().zip(&numbers);
@@ -68,7 +68,7 @@ impl MsvResults {
         let text = fs::read(&path).map_err(|error| ResultsError::Io { path: path.clone(), error })?;
         let record: super::MsvRecord = parse(&path, &text, FORMAT)?;
         let path = folder.join("labels.npy");
-        let volume = read_volume(&path)?;
+        let volume = read_volume(&path)?.volume;
         let searches = record.searches.len();
         let most = record.searches.iter().map(|s| s.regions.len()).max().unwrap_or(0);
         let Samples::I32(numbers) = volume.samples() else {
@@ -89,10 +89,8 @@ impl MsvResults {
         Ok(Self { record, labels })
     }
 
-    /// The grid of the volume along its own axes.
+    /// The grid of the volume.
     pub(crate) fn frame(&self) -> Result<Frame, ResultsError> {
-        let placement = &self.record.placement;
-        let corner = std::array::from_fn(|a| placement.origin[a] - placement.spacing[a] / 2.0);
-        Ok(Frame::new(self.record.dims, corner, placement.spacing)?)
+        Ok(Frame::placed(self.record.dims, &self.record.affine)?)
     }
 }

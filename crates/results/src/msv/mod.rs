@@ -117,6 +117,10 @@ fn tree(volume: &Volume, connectivity: Connectivity, contrast: Contrast) -> Resu
         ($($variant:ident)*) => {
             match volume.samples() {
                 $(Samples::$variant(v) => ComponentTree::from_grid(dims, connectivity, v, 1.0, polarity),)*
+                // Exact up to 2^53.
+                Samples::U64(_) | Samples::I64(_) => {
+                    ComponentTree::from_grid(dims, connectivity, &volume.samples().to_f64(), 1.0, polarity)
+                }
             }
         };
     }
@@ -124,10 +128,10 @@ fn tree(volume: &Volume, connectivity: Connectivity, contrast: Contrast) -> Resu
 }
 
 fn msv_region(volume: &Volume, tree: &ComponentTree, number: u32, region: &StableRegion) -> MsvRegion {
-    let ([nx, ny, nz], placement) = (volume.dims(), *volume.placement());
+    let ([nx, ny, nz], affine) = (volume.dims(), *volume.affine());
     let position = |v: u32| {
         let v = v as usize;
-        placement.position([v % nx, v / nx % ny, v / (nx * ny)].map(|i| i as f64))
+        affine.position([v % nx, v / nx % ny, v / (nx * ny)].map(|i| i as f64))
     };
     let moments = Moments::of(tree.vertices(region.node), position, 1.0);
     let ellipsoid = Ellipsoid::fit(&moments, if nz == 1 { 2 } else { 3 });
@@ -135,7 +139,7 @@ fn msv_region(volume: &Volume, tree: &ComponentTree, number: u32, region: &Stabl
         region: number,
         parent: region.parent.map(|p| p as u32),
         voxels: region.volume as u64,
-        volume: region.volume * placement.spacing.iter().product::<f64>(),
+        volume: region.volume * affine.determinant().abs(),
         grey: region.altitude,
         variation: 1.0 / region.stability,
         centre: ellipsoid.centre,

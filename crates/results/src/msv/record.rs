@@ -1,6 +1,6 @@
 use mser3d::comptree::{Contrast, MsvParameters, SelectionReport};
 use mser3d_shape::Connectivity;
-use mser3d_volumeio::{Placement, Volume};
+use mser3d_volumeio::{Affine, Volume};
 use serde::{Deserialize, Serialize};
 
 use crate::FORMAT;
@@ -26,9 +26,8 @@ pub struct MsvRecord {
     /// Type of the values, as Rust calls it.
     #[serde(rename = "type")]
     pub value_type: String,
-    /// Where the voxels lie.
-    #[serde(flatten)]
-    pub placement: Placement,
+    /// Index to world, 4 x 4: the centre of voxel (i, j, k) is `affine (i, j, k, 1)`.
+    pub affine: Affine,
     /// Which regions were kept.
     pub parameters: MsvParameters,
     /// Which voxels were neighbours.
@@ -90,7 +89,7 @@ impl MsvRecord {
             dims: volume.dims(),
             channels: volume.channels(),
             value_type: volume.samples().type_name().to_owned(),
-            placement: *volume.placement(),
+            affine: *volume.affine(),
             parameters,
             connectivity,
             searches,

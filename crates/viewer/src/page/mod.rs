@@ -140,6 +140,7 @@ fn shape_json(shape: &PageShape<'_>, pack: &mut Pack) -> Value {
             "dims": dims,
             "origin": origin,
             "spacing": grid.frame().spacing(),
+            "directions": grid.frame().directions(),
             "place": pack.u32(grid.voxels().map(place)),
             "label": pack.i16(innermost(&shape.regions, grid.len(), |r| r.voxels)),
         })

@@ -1,19 +1,23 @@
-//! NIfTI-1 and NIfTI-2 in one file: the format of neuroimaging (<https://nifti.nimh.nih.gov>).
+//! NIfTI-1 and NIfTI-2 in one file or a pair, and Analyze 7.5 (<https://nifti.nimh.nih.gov>).
 //!
 //! Read here and not by the crate `nifti`: that one needs ndarray to write, and asserts in the wrong
 //! places on headers that are damaged.
 mod header;
+mod pair;
+mod placement;
 mod write;
 
-pub use write::write_nifti;
+pub use write::{write_nifti, write_nifti_in};
 
-use crate::Samples;
+use crate::bytes::{finish, open, skip};
 use crate::error::Fault;
+use crate::loaded::{ChannelKind, LoadedVolume, World, WorldAxes};
 use crate::sample_type::SampleType;
 use crate::volume::{Volume, interleaved, voxel_count};
-use flate2::read::MultiGzDecoder;
-use header::Header;
-use std::io::{BufRead, Read};
+use crate::{Samples, VolumeFormat};
+use header::{Header, Version};
+use std::io::Read;
+use std::path::Path;
 
 /// Bytes of the header in version 1.
 const LENGTH_1: usize = 348;
@@ -36,112 +40,66 @@ const TYPES: [(i64, SampleType, usize); 12] = [
     (2304, SampleType::U8, 4),
 ];
 
-pub(crate) fn read(mut source: impl BufRead) -> Result<Volume, Fault> {
-    let packed = source.fill_buf()?.starts_with(&[0x1f, 0x8b]);
-    if packed { unpacked(MultiGzDecoder::new(source)) } else { unpacked(source) }
+pub(crate) fn read(path: &Path) -> Result<LoadedVolume, Fault> {
+    let Some(pair) = pair::files(path)? else {
+        let mut source = open(path)?;
+        let header = Header::read(&mut source)?;
+        if header.pair {
+            let reason = "the header of a pair of files; name it .hdr, with the data beside it in .img";
+            return Err(Fault::unsupported(reason));
+        }
+        return volume(header, source);
+    };
+    let mut source = open(&pair.header)?;
+    let mut header = Header::read(&mut source)?;
+    if !header.pair {
+        return volume(header, source);
+    }
+    header.length = 0;
+    let source = open(&pair.data)?;
+    volume(header, source)
 }
 
-fn unpacked(mut source: impl Read) -> Result<Volume, Fault> {
-    let header = Header::read(&mut source)?;
-    let Header { dims, volumes, sample, colours, .. } = header;
+/// The volume whose values follow after the header.
+fn volume(header: Header, mut source: impl Read) -> Result<LoadedVolume, Fault> {
+    let Header { dims, volumes, sample, colours, mut notes, .. } = header;
     // Extensions may stand between the header and the data.
-    let gap = header.data_at.saturating_sub(header.length);
-    std::io::copy(&mut source.by_ref().take(gap), &mut std::io::sink())?;
+    skip(&mut source, header.data_at.saturating_sub(header.length))?;
     let voxels = voxel_count(dims).and_then(|n| n.checked_mul(colours));
     let count = voxels.and_then(|n| n.checked_mul(volumes)).unwrap_or(usize::MAX);
-    let mut values = sample.read(count, header.big_endian, source)?;
-    let trivial = header.slope == 0.0 || !header.slope.is_finite() || !header.intercept.is_finite();
-    if !trivial && (header.slope, header.intercept) != (1.0, 0.0) && colours == 1 {
-        let scaled = values.to_f64().into_iter().map(|x| header.slope * x + header.intercept);
-        values = Samples::F64(scaled.collect());
+    let mut values = sample.read(count, header.big_endian, &mut source)?;
+    finish(source)?;
+    // Analyze has no scaling, but SPM wrote the slope where NIfTI has it.
+    let intercept = if header.version == Version::Analyze { 0.0 } else { header.intercept };
+    let slope = header.slope;
+    let scaled = slope != 0.0 && slope.is_finite() && (slope, intercept) != (1.0, 0.0);
+    if scaled && colours == 1 {
+        if intercept.is_finite() {
+            let scaled = values.to_f64().into_iter().map(|x| slope * x + intercept);
+            values = Samples::F64(scaled.collect());
+            notes.push(format!("values are scaled, as the header says: {slope} x stored + {intercept}"));
+        } else {
+            notes.push(format!("the intercept of the scaling is {intercept}; values are as stored"));
+        }
     }
     let (channels, values) = match colours {
         1 => (volumes, interleaved(values, volumes)),
         _ if volumes == 1 => (colours, values),
         _ => return Err(Fault::unsupported("several coloured volumes in one file; export one of them")),
     };
-    Ok(Volume::new(dims, channels, header.placement, values)?)
+    let mut loaded =
+        LoadedVolume::plain(Volume::new(dims, channels, header.placed.affine, values)?, VolumeFormat::Nifti);
+    if colours > 1 {
+        loaded.channels = ChannelKind::Colours;
+    }
+    loaded.world = World {
+        axes: if header.placed.anatomical { WorldAxes::Ras } else { WorldAxes::File },
+        unit: header.unit.map(str::to_owned),
+    };
+    loaded.placed_by = header.placed.by;
+    loaded.notes = notes;
+    Ok(loaded)
 }
 
 #[cfg(test)]
-mod tests {
-    use super::write::header;
-    use super::*;
-    use crate::Placement;
-    use std::path::Path;
-
-    fn file(volume: &Volume) -> Vec<u8> {
-        let mut bytes = header(volume).unwrap();
-        volume.samples().write(&mut bytes).unwrap();
-        bytes
-    }
-
-    fn small() -> Volume {
-        Volume::new([2, 1, 2], 1, Placement::default(), vec![1i16, -2, 3, 400]).unwrap()
-    }
-
-    fn put(bytes: &mut [u8], at: usize, field: &[u8]) {
-        bytes[at..at + field.len()].copy_from_slice(field);
-    }
-
-    #[test]
-    fn scaled_values_are_what_they_mean() {
-        let mut bytes = file(&small());
-        put(&mut bytes, 112, &0.5f32.to_le_bytes());
-        put(&mut bytes, 116, &10f32.to_le_bytes());
-        assert_eq!(*read(&bytes[..]).unwrap().samples(), Samples::F64(vec![10.5, 9.0, 11.5, 210.0]));
-    }
-
-    #[test]
-    fn the_quaternion_turns_the_axes() {
-        let mut bytes = file(&small());
-        put(&mut bytes, 254, &0i16.to_le_bytes());
-        put(&mut bytes, 252, &1i16.to_le_bytes());
-        // A quarter turn about z: x goes to y, y to -x.
-        put(&mut bytes, 264, &(0.5f32.sqrt()).to_le_bytes());
-        put(&mut bytes, 268, &7f32.to_le_bytes());
-        put(&mut bytes, 80, &3f32.to_le_bytes());
-        let volume = read(&bytes[..]).unwrap();
-        let there = volume.placement().position([1.0, 0.0, 0.0]);
-        let away = (0..3).map(|i| (there[i] - [7.0, 3.0, 0.0][i]).abs()).fold(0.0, f64::max);
-        assert!(away < 1e-6, "{there:?}");
-    }
-
-    #[test]
-    fn both_byte_orders_and_version_2() {
-        let volume = small();
-        let mut bytes = vec![0u8; LENGTH_2];
-        put(&mut bytes, 0, &540i32.to_be_bytes());
-        put(&mut bytes, 4, b"n+2\0\r\n\x1a\n");
-        put(&mut bytes, 12, &4i16.to_be_bytes());
-        for (i, size) in [3i64, 2, 1, 2].into_iter().enumerate() {
-            put(&mut bytes, 16 + 8 * i, &size.to_be_bytes());
-        }
-        put(&mut bytes, 168, &544i64.to_be_bytes());
-        bytes.extend([0; 4]);
-        [1i16, -2, 3, 400].iter().for_each(|x| bytes.extend(x.to_be_bytes()));
-        assert_eq!(read(&bytes[..]).unwrap(), volume);
-    }
-
-    #[test]
-    fn damaged_files_are_errors() {
-        let whole = file(&small());
-        for length in 0..whole.len() {
-            assert!(read(&whole[..length]).is_err(), "{length} bytes");
-        }
-        for (at, field, says) in [
-            (0, &[9u8, 9][..], "not a NIfTI file"),
-            (344, b"ni1", "two files"),
-            (344, b"xxx", "Analyze"),
-            (40, &[9, 0], "9 axes"),
-            (42, &[0, 0], "length 0"),
-            (42, &[255, 127], "promises"),
-            (70, &[32, 0], "type 32"),
-        ] {
-            let mut bytes = whole.clone();
-            put(&mut bytes, at, field);
-            let error = read(&bytes[..]).unwrap_err().in_file(Path::new("a.nii")).to_string();
-            assert!(error.contains(says), "{error}");
-        }
-    }
-}
+mod tests;

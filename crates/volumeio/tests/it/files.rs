@@ -1,15 +1,18 @@
 //! Whole files: what is written is read again, and what is damaged is an error, not a panic.
 
+use std::io::Write;
 use std::path::Path;
 
 use mser3d_fileio::FileError;
-use mser3d_volumeio::{Placement, Samples, Volume, VolumeIoError, read_volume, write_nifti, write_npy};
+use mser3d_shape::{BitGrid, ShapeError};
+use mser3d_volumeio::{
+    Affine, Samples, Volume, VolumeFormat, VolumeIoError, read_volume, write_nifti, write_npy,
+};
 use proptest::prelude::*;
 
 /// A turned and stretched box whose numbers f32 holds exactly.
-fn placed() -> Placement {
-    let directions = [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
-    Placement { origin: [-4.5, 8.0, 0.25], spacing: [0.5, 0.75, 2.0], directions }
+fn placed() -> Affine {
+    Affine::from_steps([-4.5, 8.0, 0.25], [[0.0, 0.5, 0.0], [-0.75, 0.0, 0.0], [0.0, 0.0, 2.0]]).unwrap()
 }
 
 fn of_every_type() -> Vec<Samples> {
@@ -21,6 +24,8 @@ fn of_every_type() -> Vec<Samples> {
         Samples::I16(numbers.iter().map(|&x| -200 * x as i16).collect()),
         Samples::U32(numbers.iter().map(|&x| 1_000_000 * x as u32).collect()),
         Samples::I32(numbers.iter().map(|&x| -1_000_000 * x).collect()),
+        Samples::U64(numbers.iter().map(|&x| u64::MAX - x as u64).collect()),
+        Samples::I64(numbers.iter().map(|&x| i64::MIN + i64::from(x)).collect()),
         Samples::F32(numbers.iter().map(|&x| 0.1 * x as f32).collect()),
         Samples::F64(numbers.iter().map(|&x| f64::from(x).exp()).collect()),
     ]
@@ -35,47 +40,76 @@ fn volumes_survive_a_round_trip() {
             let volume = Volume::new(dims, channels, placed(), values.clone()).unwrap();
             for name in ["a.nii", "a.nii.gz"] {
                 write_nifti(&path(name), &volume).unwrap();
-                assert_eq!(read_volume(&path(name)).unwrap(), volume, "{name} {}", values.type_name());
+                assert_eq!(read_volume(&path(name)).unwrap().volume, volume, "{name} {}", values.type_name());
             }
             write_npy(&path("a.npy"), &volume).unwrap();
-            let flat = Volume::new(dims, channels, Placement::default(), values.clone()).unwrap();
-            assert_eq!(read_volume(&path("a.npy")).unwrap(), flat, "{}", values.type_name());
+            let flat = Volume::new(dims, channels, Affine::default(), values.clone()).unwrap();
+            assert_eq!(read_volume(&path("a.npy")).unwrap().volume, flat, "{}", values.type_name());
         }
     }
 }
 
 #[test]
-fn a_mask_is_where_a_volume_is_not_zero() {
-    let volume =
-        Volume::new([2, 1, 2], 2, placed(), vec![0.0, 0.0, 0.0, -1.0, 0.0, 0.0, f64::NAN, 2.0]).unwrap();
-    let mask = volume.mask().unwrap();
-    assert_eq!(mask.ones().collect::<Vec<_>>(), [[1, 0, 0], [1, 0, 1]]);
+fn a_channel_is_a_volume_and_a_mask_another() {
+    let volume = Volume::new([2, 1, 2], 2, placed(), vec![1u8, 2, 3, 4, 5, 6, 7, 8]).unwrap();
+    assert_eq!(*volume.channel(1).samples(), Samples::U8(vec![2, 4, 6, 8]));
+    assert_eq!(*volume.channel(1).affine(), placed());
+    assert_eq!(volume.channel(0).channel(0), volume.channel(0));
+    let mut mask = BitGrid::empty([2, 1, 2]).unwrap();
+    mask.set([1, 0, 0], true);
     let written = Volume::from_mask(&mask, placed()).unwrap();
-    assert_eq!(*written.samples(), Samples::U8(vec![0, 1, 0, 1]));
-    assert_eq!(volume.frame().unwrap().centre([0, 0, 0]), placed().origin);
+    assert_eq!(*written.samples(), Samples::U8(vec![0, 1, 0, 0]));
+    assert_eq!(volume.frame().unwrap().centre([0, 0, 0]), placed().origin());
+}
+
+#[test]
+fn a_sheared_volume_has_no_frame() {
+    let sheared = Affine::new([[1., 0.5, 0., 0.], [0., 1., 0., 0.], [0., 0., 1., 0.]]).unwrap();
+    let volume = Volume::new([1, 1, 1], 1, sheared, vec![1u8]).unwrap();
+    assert!(matches!(volume.frame(), Err(ShapeError::Sheared { .. })));
 }
 
 #[test]
 fn what_cannot_be_is_refused() {
-    let spacing = Placement { spacing: [1.0, 0.0, 1.0], ..Placement::default() };
-    for (dims, channels, placement, count) in [
-        ([2, 2, 2], 1, Placement::default(), 7),
-        ([2, 0, 2], 1, Placement::default(), 0),
-        ([usize::MAX, 2, 2], 1, Placement::default(), 4),
-        ([2, 2, 2], 1, spacing, 8),
+    for (dims, channels, affine, count) in [
+        ([2, 2, 2], 1, Affine::default(), 7),
+        ([2, 0, 2], 1, Affine::default(), 0),
+        ([usize::MAX, 2, 2], 1, Affine::default(), 4),
     ] {
-        let volume = Volume::new(dims, channels, placement, vec![0u8; count]);
+        let volume = Volume::new(dims, channels, affine, vec![0u8; count]);
         assert!(matches!(volume, Err(VolumeIoError::InvalidVolume { .. })));
     }
-    let long = Volume::new([40_000, 1, 1], 1, Placement::default(), vec![0u8; 40_000]).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let error = write_nifti(&folder.path().join("long.nii"), &long).unwrap_err();
-    assert!(matches!(error, VolumeIoError::Unsupported { .. }), "{error}");
     assert!(matches!(read_volume(Path::new("a.obj")), Err(VolumeIoError::UnknownFormat { .. })));
     assert!(matches!(
         read_volume(Path::new("nowhere/a.nii")),
         Err(VolumeIoError::File(FileError::Read { .. }))
     ));
+}
+
+/// A small TIFF: little end first, one strip, entries in the order of their tags.
+fn tiff() -> Vec<u8> {
+    let mut bytes = b"II\x2a\0\x0e\0\0\0\x01\x02\x03\x04\x05\x06".to_vec();
+    let entries = [(256u16, 3u32), (257, 2), (258, 8), (262, 1), (273, 8), (278, 2), (279, 6)];
+    bytes.extend((entries.len() as u16).to_le_bytes());
+    for (tag, value) in entries {
+        bytes.extend([tag.to_le_bytes(), 4u16.to_le_bytes()].concat());
+        bytes.extend([1u32.to_le_bytes(), value.to_le_bytes()].concat());
+    }
+    bytes.extend([0; 4]);
+    bytes
+}
+
+fn mgh() -> Vec<u8> {
+    let mut bytes: Vec<u8> = [1, 2, 1, 2, 1, 0].into_iter().flat_map(i32::to_be_bytes).collect();
+    bytes.resize(284, 0);
+    bytes.extend([1, 2, 3, 4]);
+    bytes
+}
+
+fn packed(bytes: &[u8]) -> Vec<u8> {
+    let mut packer = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+    packer.write_all(bytes).unwrap();
+    packer.finish().unwrap()
 }
 
 /// A whole file of each format.
@@ -87,18 +121,55 @@ fn samples() -> Vec<(&'static str, Vec<u8>)> {
         if name.ends_with("npy") { write_npy(&path, &volume) } else { write_nifti(&path, &volume) }.unwrap();
         std::fs::read(path).unwrap()
     };
-    let nrrd =
-        b"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 2\nencoding: raw\n\n12345678";
-    let mut tiff = std::io::Cursor::new(Vec::new());
-    let mut encoder = tiff::encoder::TiffEncoder::new(&mut tiff).unwrap();
-    encoder.write_image::<tiff::encoder::colortype::Gray16>(3, 2, &[1, 2, 3, 4, 5, 6]).unwrap();
+    let nrrd = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 2\nencoding: ";
+    let nrrd = |encoding: &str, data: &[u8]| [nrrd.as_bytes(), encoding.as_bytes(), b"\n\n", data].concat();
+    let meta = "NDims = 3\nDimSize = 2 2 2\nElementType = MET_UCHAR\nOffset = 1 2 3\nElementDataFile = LOCAL\n12345678";
     vec![
         ("a.npy", written("a.npy")),
         ("a.nii", written("a.nii")),
-        ("a.nii.gz", written("a.nii.gz")),
-        ("a.nrrd", nrrd.to_vec()),
-        ("a.tif", tiff.into_inner()),
+        ("b.nii.gz", written("b.nii.gz")),
+        ("a.nrrd", nrrd("raw", b"12345678")),
+        ("b.nrrd", nrrd("gzip", &packed(b"12345678"))),
+        ("c.nrrd", nrrd("hex", b"0102030405060708")),
+        ("a.mha", meta.into()),
+        ("a.mgh", mgh()),
+        ("a.mgz", packed(&mgh())),
+        ("a.tif", tiff()),
     ]
+}
+
+#[test]
+fn a_file_that_is_cut_short_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in samples() {
+        let path = folder.path().join(name);
+        for length in (0..=bytes.len()).rev() {
+            std::fs::write(&path, &bytes[..length]).unwrap();
+            let read = read_volume(&path);
+            assert_eq!(read.is_ok(), length == bytes.len(), "{name}: {length} of {} bytes", bytes.len());
+        }
+    }
+}
+
+#[test]
+fn endings_say_the_format_in_any_case() {
+    for (name, format) in [
+        ("A.NII.GZ", VolumeFormat::Nifti),
+        ("a.hdr", VolumeFormat::Nifti),
+        ("a.img.gz", VolumeFormat::Nifti),
+        ("a.seg.nrrd", VolumeFormat::Nrrd),
+        ("a.nhdr", VolumeFormat::Nrrd),
+        ("a.MHD", VolumeFormat::MetaImage),
+        ("a.mgz", VolumeFormat::Mgh),
+        ("a.ome.tif", VolumeFormat::Tiff),
+    ] {
+        assert_eq!(VolumeFormat::of(Path::new(name)), Some(format), "{name}");
+    }
+    assert_eq!(VolumeFormat::of(Path::new("a.gz")), None);
+    // What users are told is what there is.
+    for ending in VolumeFormat::LIST.split([' ', ',']).filter(|word| word.starts_with('.')) {
+        assert!(VolumeFormat::of(Path::new(&format!("a{ending}"))).is_some(), "{ending}");
+    }
 }
 
 proptest! {

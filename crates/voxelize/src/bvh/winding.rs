@@ -36,6 +36,15 @@ pub struct WindingTree {
 /// A node whose part of the winding number changes by less is taken as constant.
 const NEGLIGIBLE: f64 = 5e-5;
 
+/// The most that winding numbers of a whole block are off by.
+const COARSE_ERROR: f64 = 5e-3;
+/// How much farther away expansions begin where more precision is needed; their error falls with the cube.
+const FINER: f64 = 4.0;
+/// The most that those are off by.
+const FINE_ERROR: f64 = 2e-4;
+/// The same of sums of all solid angles.
+const ROUNDING: f64 = 1e-10;
+
 impl WindingTree {
     /// A tree over all triangles of a mesh, as they are oriented. Cost: O(n log n).
     pub fn new(mesh: &TriangleMesh) -> Self {
@@ -69,22 +78,46 @@ impl WindingTree {
     /// triangle counts as displaced by an infinitesimal along +x (then +y, +z).
     /// Cost: O(log n) for the meshes of practice.
     pub fn winding_number(&self, point: Vec3) -> f64 {
+        self.winding_number_from(point, 1.0)
+    }
+
+    /// The same, with expansions only from so many times farther away; with infinity, of no node.
+    fn winding_number_from(&self, point: Vec3, times: f64) -> f64 {
         if self.bvh.is_empty() {
             return 0.0;
         }
         let mut sum = 0.0;
         let mut stack = Stack::new();
         while let Some(i) = stack.pop() {
-            let x = sub(self.expansions[i].centre, point);
+            let expansion = &self.expansions[i];
+            let x = sub(expansion.centre, point);
             let node = &self.bvh.nodes[i];
-            if node.count > 0 || dot(x, x) > self.expansions[i].far {
-                sum += self.of_node(i, point);
+            if dot(x, x) > expansion.far * (times * times) {
+                sum += expansion.evaluate(x);
+            } else if node.count > 0 {
+                sum += self.of_leaf(i, point);
             } else {
                 stack.push(node.first as usize);
                 stack.push(i + 1);
             }
         }
         sum
+    }
+
+    /// The winding number at a point where an approximation came out as `value`. It is made more precise
+    /// where it lies so close to a half that the approximation cannot tell on which side: then it does not
+    /// depend on how the tree happens to be divided, and a turned mesh has the same inside.
+    pub(crate) fn decided(&self, point: Vec3, value: f64) -> f64 {
+        let half = |w: f64| (w - 0.5).round() + 0.5;
+        if (value - half(value)).abs() > COARSE_ERROR {
+            return value;
+        }
+        let finer = self.winding_number_from(point, FINER);
+        if (finer - half(finer)).abs() > FINE_ERROR {
+            return finer;
+        }
+        let exact = self.winding_number_from(point, f64::INFINITY);
+        if (exact - half(exact)).abs() > ROUNDING { exact } else { half(exact) }
     }
 
     /// The winding number at points of a box, as [`Self::winding_number`] but for 1e-3: what hardly changes
@@ -149,6 +182,11 @@ impl WindingTree {
         if dot(x, x) > self.expansions[i].far {
             return self.expansions[i].evaluate(x);
         }
+        self.of_leaf(i, point)
+    }
+
+    /// What the triangles of a leaf add, one by one.
+    fn of_leaf(&self, i: usize, point: Vec3) -> f64 {
         let (start, count) = (self.bvh.nodes[i].first as usize, self.bvh.nodes[i].count as usize);
         self.bvh.corners[start..start + count].iter().map(|t| perturbed_solid_angle(t, point)).sum()
     }

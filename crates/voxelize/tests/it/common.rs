@@ -137,6 +137,38 @@ pub fn real_shapes() -> Vec<(String, TriangleMesh)> {
         .collect()
 }
 
+/// A file of the shared data, OFF or OBJ; `None`, and a word about it, where it is absent.
+pub fn shared(path: &str) -> Option<TriangleMesh> {
+    let file = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared")).join(path);
+    let text = std::fs::read_to_string(&file).ok();
+    if text.is_none() {
+        eprintln!("skipped: {path} is not there");
+    }
+    let text = text?;
+    Some(if path.ends_with(".obj") { read_obj(&text) } else { read_off(&text) })
+}
+
+/// The faces of an OBJ file, larger ones as fans.
+fn read_obj(text: &str) -> TriangleMesh {
+    let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+    for line in text.lines() {
+        let mut words = line.split_whitespace();
+        match words.next() {
+            Some("v") => {
+                let mut number = || words.next().unwrap().parse::<f64>().unwrap();
+                vertices.push(std::array::from_fn(|_| number()));
+            }
+            Some("f") => {
+                let corners: Vec<u32> =
+                    words.map(|w| w.split('/').next().unwrap().parse::<u32>().unwrap() - 1).collect();
+                triangles.extend((2..corners.len()).map(|i| [corners[0], corners[i - 1], corners[i]]));
+            }
+            _ => {}
+        }
+    }
+    TriangleMesh::new(vertices, triangles).unwrap()
+}
+
 /// A shape of the project's own.
 pub fn fixture(name: &str) -> TriangleMesh {
     let path = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures")).join(name);

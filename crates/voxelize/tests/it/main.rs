@@ -10,6 +10,7 @@ mod masks;
 mod real;
 mod records;
 mod soup;
+mod symmetry;
 
 #[path = "../../examples/mask_of_a_mesh.rs"]
 mod mask_of_a_mesh;

@@ -73,7 +73,7 @@ fn a_hand_in_a_thigh_leaves_out_what_both_cover() {
     };
     assert!(windings(Overlap::Auto).iter().all(|w| (w - 1.0).abs() < 0.02));
     let twice = windings(Overlap::Join).iter().filter(|w| (*w - 2.0).abs() < 0.02).count();
-    assert!(twice > 50, "{twice}");
+    assert!(twice > 30, "{twice}");
 }
 
 /// Cut where the hand touches the thigh, the figure is a ball to topology, as its surface is: one piece
