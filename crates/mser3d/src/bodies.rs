@@ -8,8 +8,8 @@ mser3d_shape::choice! {
     /// What to do with a shape of several bodies, that is, of several connected components.
     ///
     /// A component counts as a body if it has at least [`MIN_BODY_ELEMENTS`] elements and a thousandth of the largest
-    /// one's measure ([`MIN_BODY_FRACTION`]). What is smaller are specks, such as voxels at the tip of an ear. The
-    /// largest component is a body at any size.
+    /// one's measure, or a tenth of that at any number ([`MIN_BODY_FRACTIONS`]). What is smaller are specks, such as
+    /// voxels at the tip of an ear. They are always left out.
     pub enum Bodies("choice of bodies") {
         /// The largest body is searched, the others are left out
         #[default]
@@ -17,21 +17,20 @@ mser3d_shape::choice! {
         /// Each body is searched on its own
         ///
         /// It has its own spectrum, its own times (relative to its own measure unless a reference is given) and its
-        /// own component trees. Specks are left out.
+        /// own component trees.
         All = "all",
-        /// All components are searched as one shape
+        /// All bodies are searched together, as one shape
         ///
-        /// Specks too. Heat does not pass between components, so a small one is hot all over, and often a region
-        /// as a whole.
+        /// Heat does not pass between them, so a small one is hot all over, and often a region as a whole.
         Join = "join",
     }
 }
 
-/// Fewest voxels, or vertices of a surface, that a body has.
+/// Fewest voxels, or vertices of a surface, of a body that is small beside the largest.
 pub const MIN_BODY_ELEMENTS: usize = 64;
 
-/// The smallest measure of a body, over that of the largest.
-pub const MIN_BODY_FRACTION: f64 = 1e-3;
+/// The smallest measure of a body over that of the largest: of one with [`MIN_BODY_ELEMENTS`], and of any.
+pub const MIN_BODY_FRACTIONS: [f64; 2] = [1e-3, 0.1];
 
 /// The connected components of a shape, which of them are bodies, and which are searched.
 pub(crate) struct Parts {
@@ -42,6 +41,8 @@ pub(crate) struct Parts {
     is_body: Vec<bool>,
     /// Whether each is searched.
     kept: Vec<bool>,
+    /// Whether each is searched on its own.
+    apart: bool,
 }
 
 impl Parts {
@@ -75,22 +76,26 @@ impl Parts {
         let largest = measures.iter().position(|&m| m == most);
         let is_body: Vec<bool> = (0..measures.len())
             .map(|c| {
-                let large =
-                    components.sizes[c] >= MIN_BODY_ELEMENTS && measures[c] >= MIN_BODY_FRACTION * most;
-                large || Some(c) == largest
+                let [small, large] = MIN_BODY_FRACTIONS.map(|fraction| measures[c] >= fraction * most);
+                large && most > 0.0 || small && components.sizes[c] >= MIN_BODY_ELEMENTS || Some(c) == largest
             })
             .collect();
         let kept = match bodies {
             Bodies::Largest => (0..measures.len()).map(|c| Some(c) == largest).collect(),
-            Bodies::All => is_body.clone(),
-            Bodies::Join => vec![true; measures.len()],
+            Bodies::All | Bodies::Join => is_body.clone(),
         };
-        let mut parts = Self { components, measures, is_body, kept };
+        let mut parts = Self { components, measures, is_body, kept, apart: bodies == Bodies::All };
         // What has no measure, such as vertices without triangles, changes nothing where there is but one body.
         if parts.measures.iter().filter(|&&m| m > 0.0).count() <= 1 {
             parts.kept.fill(true);
         }
         parts
+    }
+
+    /// The same, but everything is searched as one.
+    pub fn with_all(mut self) -> Self {
+        self.kept.fill(true);
+        Self { apart: false, ..self }
     }
 
     /// Whether everything is searched.
@@ -115,16 +120,15 @@ impl Parts {
 
     /// The elements of each body that is searched on its own, numbered among those that are searched, the largest body
     /// first. One of all elements where nothing parts them.
-    pub fn searched(&self, bodies: Bodies) -> Vec<Vec<u32>> {
+    pub fn searched(&self) -> Vec<Vec<u32>> {
         let elements =
             (0u32..).zip(self.components.labels.iter().filter(|&&label| self.kept[label as usize]));
-        let mut of_component = vec![Vec::new(); self.components.len()];
-        match bodies {
-            Bodies::All if !self.keeps_all() || self.is_body.iter().all(|body| *body) => {
-                elements.for_each(|(element, &label)| of_component[label as usize].push(element));
-            }
-            _ => return vec![elements.map(|(element, _)| element).collect()],
+        // Where all is kept although not all are bodies, only one has a measure.
+        if !self.apart || self.keeps_all() && self.is_body.iter().any(|body| !*body) {
+            return vec![elements.map(|(element, _)| element).collect()];
         }
+        let mut of_component = vec![Vec::new(); self.components.len()];
+        elements.for_each(|(element, &label)| of_component[label as usize].push(element));
         let mut order: Vec<usize> = (0..self.kept.len()).filter(|&c| self.kept[c]).collect();
         order.sort_by(|&a, &b| self.measures[b].total_cmp(&self.measures[a]));
         order.into_iter().map(|c| std::mem::take(&mut of_component[c])).collect()

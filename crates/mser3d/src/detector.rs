@@ -13,6 +13,8 @@ pub type SpectrumSource<'a> =
 
 /// Finds and describes the stable regions of shapes: the whole pipeline, and all that it can be told.
 ///
+/// Of a shape of several bodies the largest is searched, unless [`Parameters::bodies`] says otherwise.
+///
 /// ```
 /// # fn run(mesh: &mser3d::shape::TriangleMesh) -> Result<(), mser3d::Error> {
 /// use mser3d::{Detector, Input, Parameters};
@@ -88,7 +90,8 @@ impl<'a> Detector<'a> {
         let mut searched = Vec::with_capacity(bodies.len());
         for (body, elements) in bodies.iter().enumerate() {
             let progress = |told| progress(of_bodies(told, body, bodies.len()));
-            let Spectrum { basis, report, .. } = spectra(part(body), &parameters.spectrum, &progress)?;
+            let wanted = spectrum_of_body(&parameters.spectrum, body);
+            let Spectrum { basis, report, .. } = spectra(part(body), &wanted, &progress)?;
             let (available, residual) = (basis.eigenvalues().len(), report.residual);
             tracing::info!(body, eigenpairs = available, solver = %report.solver, residual, "solved");
             searched.push(Body { elements: elements.clone(), basis, spectrum: report });
@@ -138,13 +141,23 @@ impl<'a> Detector<'a> {
         }
         let available = bodies.iter().map(|body| body.basis.eigenvalues().len()).min().unwrap_or(0);
         match self.parameters.spectrum.eigenpairs {
-            EigenpairRange::AtMost(wanted) if available < wanted => {
+            EigenpairRange::AtMost(wanted) | EigenpairRange::Count(wanted) if available < wanted => {
                 // Before what the voxelizer says, which is long.
                 warnings.insert(0, Warning::FewEigenpairs { wanted, available });
             }
             _ => {}
         }
     }
+}
+
+/// What to compute of a body. A number of eigenpairs that is asked for the largest must have; a smaller body has as many as
+/// it can.
+fn spectrum_of_body(parameters: &SpectrumParameters, body: usize) -> SpectrumParameters {
+    let eigenpairs = match parameters.eigenpairs {
+        EigenpairRange::Count(count) if body > 0 => EigenpairRange::AtMost(count),
+        range => range,
+    };
+    SpectrumParameters { eigenpairs, ..parameters.clone() }
 }
 
 /// Progress on one of several bodies as progress on all: a hundred units for each.

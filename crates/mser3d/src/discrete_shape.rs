@@ -48,12 +48,12 @@ impl DiscreteShape {
     /// off.
     ///
     /// # Errors
-    /// [`Error::Voxelize`].
+    /// [`Error::Voxelize`], and [`Error::Shape`] if diagonal neighbours are asked of a grid that doesn't know them.
     pub fn volume(
         mesh: &TriangleMesh,
         parameters: &VoxelizeParameters,
     ) -> Result<(Self, Voxelization), Error> {
-        let bodies = if parameters.largest_only { Bodies::Largest } else { Bodies::Join };
+        let bodies = parameters.largest_only.then_some(Bodies::Largest);
         let solid = SolidOfMesh::new(mesh, parameters, bodies, NO_PROGRESS)?;
         Ok((solid.shape, solid.voxelization))
     }
@@ -73,7 +73,11 @@ impl DiscreteShape {
         Self { elements: Elements::Voxels { grid, connectivity }, positions, element_of_vertex }
     }
 
-    /// The surface of a mesh, all pieces of it. Vertices at equal positions are one element.
+    /// The surface of a mesh, all pieces of it. Vertices at equal positions are one element, numbered by the first of
+    /// them.
+    ///
+    /// # Errors
+    /// [`Error::Shape`]: in theory, since part of a mesh is a mesh.
     pub fn surface(mesh: &TriangleMesh) -> Result<Self, Error> {
         let (welded, element) = weld(mesh)?;
         Ok(Self::of_surface(welded, element.into_iter().map(Some).collect()))

@@ -1,6 +1,7 @@
 use mser3d_shape::{Domain, TriangleMesh};
+use mser3d_spectral::Eigensolver;
 
-use crate::{Descriptor, Input, Parameters};
+use crate::{Descriptor, Input, Parameters, Weight};
 
 /// What a run will take, roughly.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,8 +41,11 @@ impl StageSeconds {
     }
 }
 
-/// What any run takes before and after its work.
+/// Seconds that any run takes before and after its work.
 const BEGIN: f64 = 0.01;
+
+/// Bytes that any run takes.
+const MEMORY: f64 = 1e7;
 
 impl Parameters {
     /// What a run with these parameters will take on an input, from its size alone: a pass over the mesh.
@@ -53,6 +57,7 @@ impl Parameters {
     pub fn estimate(&self, input: &Input) -> Estimate {
         let n = input.expected_elements(self);
         let eigenpairs = self.spectrum.eigenpairs.about(input.domain()).min(n.max(1));
+        let links = if self.weight == Weight::Edge { 2.0 } else { 1.0 };
         let trees = if self.weight.has_time_scale() { self.time_scales.len() } else { 1 };
         let samples = match &self.descriptor {
             Descriptor::SizedSiHks(own) | Descriptor::SiHks(own) => own.samples(),
@@ -61,7 +66,7 @@ impl Parameters {
         let (elements, k) = (n as f64, eigenpairs as f64);
         let in_box = box_voxels(input, elements);
         let spectrum = match input.domain() {
-            Domain::Volume => volume_spectrum(elements, k),
+            Domain::Volume => volume_spectrum(elements, k, self.spectrum.solver),
             Domain::Surface => surface_spectrum(elements, k),
         };
         let stages = StageSeconds {
@@ -70,10 +75,10 @@ impl Parameters {
                 Input::Surface(_) | Input::Solid(_) | Input::Shape(_) => 0.0,
             },
             spectrum: spectrum.seconds,
-            regions: trees as f64 * elements * (160e-9 + 0.4e-9 * k),
+            regions: links * trees as f64 * elements * (160e-9 + 0.4e-9 * k),
             descriptors: elements * samples as f64 * (1.8e-9 + 0.035e-9 * k),
         };
-        let memory = 8.0 * spectrum.numbers + 200.0 * elements + 2.0 * in_box;
+        let memory = MEMORY + 8.0 * spectrum.numbers + 200.0 * elements + 2.0 * in_box;
         Estimate {
             elements: n,
             eigenpairs,
@@ -102,29 +107,36 @@ fn dense(n: f64, k: f64) -> Option<Work> {
 }
 
 /// Shift-invert on small grids, the polynomial filter on those with 96 times more voxels than eigenpairs.
-fn volume_spectrum(n: f64, k: f64) -> Work {
+fn volume_spectrum(n: f64, k: f64, solver: Eigensolver) -> Work {
     if let Some(work) = dense(n, k) {
         return work;
     }
-    if n < 96.0 * k.max(16.0) {
-        // Solves with a factor of some 20 n^(4/3) numbers; the projected matrices.
-        let seconds = 13e-9 * n.powf(4.0 / 3.0) * k + orthogonalization(n, k) + 6.5e-9 * k.powi(3);
-        return Work { seconds, numbers: n * (5.5 * k + 140.0) + 20.0 * n.powf(4.0 / 3.0) };
+    let filter = match solver {
+        Eigensolver::Auto => n >= 96.0 * k.max(16.0),
+        Eigensolver::Filter => true,
+        Eigensolver::ShiftInvert => false,
+    };
+    if !filter {
+        // The factor and solves with it; the projected matrices.
+        let factor = 0.3e-9 * n * n + 13e-9 * n.powf(4.0 / 3.0) * k;
+        let seconds = factor + orthogonalization(n, k) + 6.5e-9 * k.powi(3);
+        return Work { seconds, numbers: n * (2.6 * k + 60.0) + 8.0 * n.powf(4.0 / 3.0) };
     }
     let block = k + 30.0;
     let updates = 9.5 * n.powf(4.0 / 3.0) * block.powf(2.0 / 3.0);
     Work { seconds: 0.5e-9 * updates + orthogonalization(n, block), numbers: n * (2.6 * k + 60.0) }
 }
 
-/// Shift-invert: factors of surfaces have some 30 n log2(n) numbers.
+/// Shift-invert with the sparser factors of surfaces.
 fn surface_spectrum(n: f64, k: f64) -> Work {
     dense(n, k).unwrap_or_else(|| Work {
         seconds: 5e-6 * n + 7.4e-9 * n * n.log2() * k + orthogonalization(n, k) + 6.5e-9 * k.powi(3),
-        numbers: n * (5.5 * k + 140.0) + 30.0 * n * n.log2(),
+        numbers: n * (2.6 * k + 60.0) + 6.0 * n * n.log2(),
     })
 }
 
-/// Sweeps over triangles and voxels of a closed mesh. Open meshes take longer, by their winding numbers.
+/// Sweeps over the triangles, voxels and box of a closed mesh.
+// The one place for the voxelizer's own estimate: open meshes take longer, by their winding numbers.
 fn voxelize_seconds(mesh: &TriangleMesh, voxels: f64, in_box: f64) -> f64 {
     0.25e-6 * mesh.triangles().len() as f64 + 0.1e-6 * voxels + 4e-9 * in_box
 }

@@ -62,6 +62,15 @@ impl Features {
         innermost_regions(self.shape.element_of_vertex().len(), self.regions.iter().map(|r| &r.vertices))
     }
 
+    /// The node of a tree that each element of the shape enters in; none for elements of other bodies.
+    pub fn nodes_of_elements(&self, tree: &Tree) -> Vec<Option<u32>> {
+        let mut nodes = vec![None; self.shape.len()];
+        for (&element, &node) in self.bodies[tree.body].elements.iter().zip(tree.tree.nodes_of_vertices()) {
+            nodes[element as usize] = Some(node);
+        }
+        nodes
+    }
+
     /// The innermost region of each voxel or surface vertex.
     pub fn region_of_element(&self) -> Vec<Option<u32>> {
         innermost_regions(self.shape.len(), self.regions.iter().map(|r| &r.elements))

@@ -17,8 +17,8 @@ pub enum Input<'a> {
     /// A solid that is voxels from the start, such as a mask ([`VoxelGrid::solid`]). Of the parameters of the
     /// voxelizer it needs `connectivity` alone.
     Solid(&'a VoxelGrid),
-    /// A shape that was made before, to serve several weights. It is taken as it is, of however many components: none
-    /// are left out. [`Bodies::All`] searches each on its own.
+    /// A shape that was made before, to serve several weights. It is taken as it is, and nothing left out, unless
+    /// [`Bodies::All`] asks for each body on its own.
     Shape(Box<DiscreteShape>),
 }
 
@@ -73,7 +73,7 @@ impl Input<'_> {
         match self {
             Self::Volume(mesh) => {
                 let SolidOfMesh { shape, voxelization, bodies, warnings } =
-                    SolidOfMesh::new(mesh, &parameters.voxelize, bodies, progress)?;
+                    SolidOfMesh::new(mesh, &parameters.voxelize, Some(bodies), progress)?;
                 Ok(Prepared { shape, bodies, voxelization: Some(voxelization), warnings })
             }
             Self::Surface(mesh) => {
@@ -88,12 +88,10 @@ impl Input<'_> {
             Self::Solid(grid) => {
                 Prepared::some_bodies(DiscreteShape::solid(grid.clone(), connectivity), bodies)
             }
+            Self::Shape(shape) if bodies == Bodies::All => Prepared::some_bodies(*shape, bodies),
             Self::Shape(shape) => {
-                let each = match bodies {
-                    Bodies::All => Bodies::All,
-                    Bodies::Largest | Bodies::Join => Bodies::Join,
-                };
-                Prepared::some_bodies(*shape, each)
+                let everything = vec![(0..shape.len() as u32).collect()];
+                Ok(Prepared { shape: *shape, bodies: everything, voxelization: None, warnings: Vec::new() })
             }
         }
     }
@@ -105,7 +103,7 @@ impl Prepared {
         let parts = Parts::of(&shape, bodies)?;
         let warnings = parts.warning(shape.domain()).into_iter().collect();
         let shape = if parts.keeps_all() { shape } else { shape.restrict(|element| parts.keeps(element))? };
-        Ok(Self { shape, bodies: parts.searched(bodies), voxelization: None, warnings })
+        Ok(Self { shape, bodies: parts.searched(), voxelization: None, warnings })
     }
 }
 

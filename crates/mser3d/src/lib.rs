@@ -56,7 +56,7 @@ mod warning;
 mod weight;
 mod weld;
 
-pub use bodies::{Bodies, MIN_BODY_ELEMENTS, MIN_BODY_FRACTION};
+pub use bodies::{Bodies, MIN_BODY_ELEMENTS, MIN_BODY_FRACTIONS};
 pub use describe::describe;
 pub use detector::{Detector, SpectrumSource};
 pub use discrete_shape::{DiscreteShape, Elements};

@@ -1,6 +1,6 @@
 //! From a mesh to the solid that is searched, and back to the mesh's vertices.
 
-use mser3d_shape::{Domain, NearestVoxels, TriangleMesh, VoxelGrid};
+use mser3d_shape::{BoundingBox, Domain, NearestVoxels, TriangleMesh, VoxelGrid};
 use mser3d_voxelize::{Voxelization, VoxelizeParameters, voxelize};
 use rayon::prelude::*;
 
@@ -12,8 +12,11 @@ use crate::{DiscreteShape, Error, Warning};
 /// Vertices that a thread places before it asks whether to go on.
 const VERTICES: usize = 1 << 12;
 
-/// A shell of the mesh is part of the solid if one of its vertices lies within so many voxels of a voxel's centre.
+/// How near, in voxels, a vertex comes to the centre of a voxel of its solid, where parts are not too thin.
 const REACH: f64 = 2.0;
+
+/// The part of another body's surface that may come so close to what is searched that its own voxels are farther away.
+const TOUCHED: f64 = 0.25;
 
 /// The solid inside a mesh, or some bodies of it.
 pub(crate) struct SolidOfMesh {
@@ -27,16 +30,18 @@ pub(crate) struct SolidOfMesh {
 }
 
 impl SolidOfMesh {
+    /// The solid of a mesh; without a choice of bodies everything inside, specks too.
     pub fn new(
         mesh: &TriangleMesh,
         parameters: &VoxelizeParameters,
-        bodies: Bodies,
+        bodies: Option<Bodies>,
         progress: ProgressFn,
     ) -> Result<Self, Error> {
         let connectivity = parameters.connectivity;
         let whole = voxelize(mesh, &VoxelizeParameters { largest_only: false, ..parameters.clone() })?;
         report(progress, Stage::Voxelize, 0, 1)?;
-        let parts = Parts::of_grid(&whole.grid, connectivity, bodies)?;
+        let parts = Parts::of_grid(&whole.grid, connectivity, bodies.unwrap_or_default())?;
+        let parts = if bodies.is_none() { parts.with_all() } else { parts };
         let (elements, voxelization) = if parts.keeps_all() {
             let elements = elements_of_vertices(mesh, &whole.grid, &parts, &whole.grid, progress)?;
             (elements, whole)
@@ -47,7 +52,7 @@ impl SolidOfMesh {
         };
         let warnings = warnings(&voxelization, parts.warning(Domain::Volume));
         let shape = DiscreteShape::solid_in_mesh(voxelization.grid.clone(), connectivity, elements);
-        Ok(Self { shape, voxelization, bodies: parts.searched(bodies), warnings })
+        Ok(Self { shape, voxelization, bodies: parts.searched(), warnings })
     }
 }
 
@@ -69,8 +74,8 @@ fn warnings(voxelization: &Voxelization, mut dropped: Option<Warning>) -> Vec<Wa
 /// Where a vertex belongs.
 #[derive(Clone, Copy)]
 enum Place {
-    /// A voxel that is searched, and whether it is close by.
-    Searched(u32, bool),
+    /// A voxel that is searched, and how far away it is.
+    Searched(u32, f64),
     /// A body that is not searched.
     OtherBody,
     /// A few voxels that are not searched, as a thin part leaves behind.
@@ -81,8 +86,7 @@ enum Place {
 ///
 /// A vertex takes its nearest voxel. If that one belongs to a body that is not searched, so does the vertex, and
 /// it takes none. If it is a speck, the vertex takes the nearest voxel that is searched. But no vertex does whose
-/// shell (the connected part of the mesh that it lies on) stays away from what is searched: where no vertex of the
-/// shell is close to a searched voxel, or more of them belong to other bodies.
+/// [`Shell`] is apart from what is searched.
 fn elements_of_vertices(
     mesh: &TriangleMesh,
     inside: &VoxelGrid,
@@ -91,7 +95,6 @@ fn elements_of_vertices(
     progress: ProgressFn,
 ) -> Result<Vec<Option<u32>>, Error> {
     let nearest = inside.nearest();
-    let reach = REACH * inside.frame().spacing().into_iter().fold(0.0, f64::max);
     let all = parts.keeps_all();
     let voxels: Vec<[u32; 3]> = if all { Vec::new() } else { inside.voxels().collect() };
     let place = |&vertex: &[f64; 3]| {
@@ -99,39 +102,68 @@ fn elements_of_vertices(
             return Place::Speck;
         };
         if all {
-            return Place::Searched(voxel, distance <= reach);
+            return Place::Searched(voxel, distance);
         }
         match searched.index(voxels[voxel as usize]) {
-            Some(number) => Place::Searched(number, distance <= reach),
+            Some(number) => Place::Searched(number, distance),
             None if parts.in_body(voxel) => Place::OtherBody,
             None => Place::Speck,
         }
     };
     let places = by_chunks(mesh.vertices(), progress, place)?;
-    let (shells, count) = shells(mesh)?;
-    // Vertices of each shell close to what is searched, and of other bodies.
-    let mut votes = vec![[0usize; 2]; count];
-    for (place, &shell) in places.iter().zip(&shells) {
+    let (shell_of, count) = shells(mesh)?;
+    let mut shells = vec![Shell::default(); count];
+    for (((&vertex, area), &place), &shell) in
+        mesh.vertices().iter().zip(mesh.vertex_areas()).zip(&places).zip(&shell_of)
+    {
+        shells[shell as usize].add(vertex, area, place);
+    }
+    let reach = REACH * inside.frame().spacing().into_iter().fold(0.0, f64::max);
+    let nearest: NearestVoxels = searched.nearest();
+    let placed: Vec<([f64; 3], (Place, u32))> =
+        mesh.vertices().iter().copied().zip(places.into_iter().zip(shell_of)).collect();
+    by_chunks(&placed, progress, |&(vertex, (place, shell))| match place {
+        _ if shells[shell as usize].is_apart(reach) => None,
+        Place::Searched(voxel, _) => Some(voxel),
+        Place::OtherBody => None,
+        Place::Speck => nearest.voxel(vertex),
+    })
+}
+
+/// A connected part of the mesh, and where its vertices belong.
+#[derive(Clone, Default)]
+struct Shell {
+    bounds: Option<BoundingBox>,
+    /// The least distance of a vertex to a searched voxel that is its nearest.
+    distance: Option<f64>,
+    /// Area around the vertices whose nearest voxel is searched, and around those of other bodies.
+    searched: f64,
+    other: f64,
+}
+
+impl Shell {
+    fn add(&mut self, vertex: [f64; 3], area: f64, place: Place) {
+        self.bounds = match self.bounds {
+            None => BoundingBox::around([vertex]),
+            Some(BoundingBox { min, max }) => BoundingBox::around([min, max, vertex]),
+        };
         match place {
-            Place::Searched(_, close) => votes[shell as usize][0] += usize::from(*close),
-            Place::OtherBody => votes[shell as usize][1] += 1,
+            Place::Searched(_, distance) => {
+                self.searched += area;
+                self.distance = Some(self.distance.map_or(distance, |least| least.min(distance)));
+            }
+            Place::OtherBody => self.other += area,
             Place::Speck => {}
         }
     }
-    let nearest: NearestVoxels = searched.nearest();
-    let placed: Vec<([f64; 3], (Place, u32))> =
-        mesh.vertices().iter().copied().zip(places.into_iter().zip(shells)).collect();
-    by_chunks(&placed, progress, |&(vertex, (place, shell))| {
-        let [close, away] = votes[shell as usize];
-        if close == 0 || close < away {
-            return None;
-        }
-        match place {
-            Place::Searched(voxel, _) => Some(voxel),
-            Place::OtherBody => None,
-            Place::Speck => nearest.voxel(vertex),
-        }
-    })
+
+    /// Whether nothing of it is searched: it lies farther from what is searched than `reach` and its own size, so
+    /// that it cannot contain any of it; or it is the shell of another body, and the few vertices that belong to what
+    /// is searched only happen to come close.
+    fn is_apart(&self, reach: f64) -> bool {
+        let size = self.bounds.map_or(0.0, |bounds| bounds.diagonal());
+        self.distance.is_none_or(|distance| distance > reach + size) || self.searched < TOUCHED * self.other
+    }
 }
 
 /// A value for each item, in parallel, that can be cancelled.

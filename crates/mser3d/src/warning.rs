@@ -32,9 +32,9 @@ pub enum Warning {
         /// How many parts, as far as the eigenpairs tell.
         parts: usize,
     },
-    /// The shape is so small that it has fewer eigenpairs than are used by default.
+    /// The shape, or the smallest of its bodies, is so small that it has fewer eigenpairs than are wanted.
     FewEigenpairs {
-        /// How many are used by default.
+        /// How many are wanted.
         wanted: usize,
         /// How many it has.
         available: usize,
@@ -77,8 +77,8 @@ impl fmt::Display for Warning {
             }
             Self::Apart { parts } => write!(
                 f,
-                "the shape falls into {parts} parts that heat does not pass between, so that small ones are regions as \
-                 a whole; --bodies largest searches the largest, --bodies all each on its own"
+                "heat does not pass between {parts} parts of the shape, so that small ones are regions as a whole; \
+                 --bodies largest or all searches bodies on their own"
             ),
             Self::FewEigenpairs { wanted, available } => write!(
                 f,

@@ -1,6 +1,7 @@
 //! Shapes of several bodies, and surfaces that fall apart along seams.
 
-use mser3d::shape::{Connectivity, TriangleMesh};
+use mser3d::shape::{BitGrid, Connectivity, Frame, TriangleMesh, VoxelGrid};
+use mser3d::spectral::EigenpairRange;
 use mser3d::voxelize::Pitch;
 use mser3d::{
     Bodies, Detector, DiscreteShape, Domain, Elements, Error, Features, Input, Parameters, Warning,
@@ -117,6 +118,89 @@ fn specks_that_a_thin_part_leaves_behind_are_not_bodies() {
     assert!(features.shape.element_of_vertex().iter().all(Option::is_some));
 }
 
+/// A mask of cubes in a row, of these sides, a voxel apart.
+fn cubes(sides: &[u32]) -> VoxelGrid {
+    let length = sides.iter().sum::<u32>() as usize + sides.len();
+    let most = *sides.iter().max().unwrap();
+    let mut inside = BitGrid::empty([length, most as usize, most as usize]).unwrap();
+    let mut x = 0;
+    for &side in sides {
+        for i in 0..side * side * side {
+            inside.set([x + i % side, i / side % side, i / side / side], true);
+        }
+        x += side + 1;
+    }
+    VoxelGrid::solid(Frame::new(inside.dims(), [0.0; 3], [1.0; 3]).unwrap(), inside).unwrap()
+}
+
+#[test]
+fn specks_are_never_searched_and_small_bodies_are_if_none_is_much_larger() {
+    let bodies = |bodies, sides: &[u32]| {
+        let features = detect(bodies, Input::Solid(&cubes(sides)));
+        let sizes: Vec<usize> = features.bodies.iter().map(|b| b.elements.len()).collect();
+        let dropped = features.warnings.iter().find_map(|w| match w {
+            Warning::SmallerComponents { components, elements, bodies, .. } => {
+                Some((*components, *elements, bodies.clone()))
+            }
+            _ => None,
+        });
+        (sizes, dropped)
+    };
+    let sides = [1, 12, 5, 2, 4];
+    assert_eq!(bodies(Bodies::Largest, &sides), (vec![1728], Some((4, 198, vec![125, 64]))));
+    assert_eq!(bodies(Bodies::All, &sides), (vec![1728, 125, 64], Some((2, 9, vec![]))));
+    assert_eq!(bodies(Bodies::Join, &sides), (vec![1917], Some((2, 9, vec![]))));
+    // The largest body has to have as many eigenpairs as are asked for, the others have what they can.
+    let two = |count| {
+        let mut parameters = with(Bodies::All);
+        parameters.spectrum.eigenpairs = EigenpairRange::Count(count);
+        Detector::new(parameters).detect(Input::Solid(&cubes(&[3, 4, 1])))
+    };
+    assert!(two(65).is_err());
+    let two = two(30).unwrap();
+    assert_eq!(two.bodies.iter().map(|b| b.elements.len()).collect::<Vec<_>>(), [64, 27]);
+    assert_eq!(two.warnings[0], Warning::FewEigenpairs { wanted: 30, available: 27 });
+    assert!(two.warnings[1].to_string().starts_with("1 smaller component with 1 voxel (1.09 %) was dropped"));
+}
+
+#[test]
+fn a_body_too_small_for_a_voxel_has_no_labels_unless_it_is_close() {
+    let pebble = |x: f64| {
+        let (vertices, triangles) = cuboid([x, 0.0, 0.0], [x + 0.01, 0.01, 0.01]);
+        both(&club(1.0), &TriangleMesh::new(vertices, triangles).unwrap(), [0.0; 3])
+    };
+    let elements = |mesh: &TriangleMesh| {
+        let features = detect(Bodies::Largest, Input::Volume(mesh));
+        assert!(features.shape.element_of_vertex()[..16].iter().all(Option::is_some));
+        features.shape.element_of_vertex()[16..].to_vec()
+    };
+    assert_eq!(elements(&pebble(14.0)), [None; 8]);
+    assert!(elements(&pebble(10.1)).iter().all(Option::is_some));
+}
+
+#[test]
+fn a_mesh_that_the_grid_parts_has_labels_where_it_is_searched() {
+    // Two boxes and a rod between them that is thinner than a voxel, in one piece.
+    let rings: [(f64, f64); 6] = [(0.0, 2.0), (4.0, 2.0), (4.0, 0.03), (7.0, 0.03), (7.0, 1.2), (9.4, 1.2)];
+    let corner = |x: f64, r: f64| [[x, -r, -r], [x, r, -r], [x, r, r], [x, -r, r]];
+    let vertices: Vec<[f64; 3]> = rings.iter().flat_map(|&(x, r)| corner(x, r)).collect();
+    let mut triangles = vec![[0, 2, 1], [0, 3, 2], [20, 21, 22], [20, 22, 23]];
+    for ring in 0..5u32 {
+        for i in 0..4 {
+            let [a, b] = [4 * ring + i, 4 * ring + (i + 1) % 4];
+            triangles.extend([[a, b, b + 4], [a, b + 4, a + 4]]);
+        }
+    }
+    // Off the grid's lines, so that no centre lies in the rod.
+    let vertices = vertices.iter().map(|p| [p[0], p[1] + 0.05, p[2] + 0.07]).collect();
+    let mesh = TriangleMesh::new(vertices, triangles).unwrap();
+    let features = detect(Bodies::Largest, Input::Volume(&mesh));
+    assert_eq!(features.voxelization.as_ref().unwrap().dropped_components, 1);
+    let elements = features.shape.element_of_vertex();
+    assert!(elements[..8].iter().all(Option::is_some) && elements[16..].iter().all(Option::is_none));
+    assert_eq!(detect(Bodies::All, Input::Volume(&mesh)).bodies.len(), 2);
+}
+
 #[test]
 fn each_body_on_its_own_is_the_body_alone() {
     let mesh = two_clubs(1.0);
@@ -150,6 +234,11 @@ fn each_body_on_its_own_is_the_body_alone() {
             let vertices = (0..mesh.vertices().len() as u32)
                 .filter(|&v| has(v).is_some_and(|e| elements.binary_search(&e).is_ok()));
             assert_eq!(region.vertices, vertices.collect::<Vec<_>>());
+        }
+        let nodes = all.nodes_of_elements(&all.trees[2 * number]);
+        let entered = alone.trees[0].tree.nodes_of_vertices();
+        for (element, node) in (0u32..).zip(nodes) {
+            assert_eq!(node, body.number_of(element).map(|e| entered[e as usize]));
         }
         let rows: Vec<&[f64]> = mine.iter().map(|&r| all.descriptors.row(r)).collect();
         assert_eq!(rows, alone.descriptors.rows().collect::<Vec<_>>());
