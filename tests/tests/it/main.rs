@@ -4,3 +4,4 @@ mod invariance;
 mod methods;
 mod poses;
 mod real_shapes;
+mod turns;
