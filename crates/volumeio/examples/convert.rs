@@ -31,6 +31,9 @@ pub fn convert(from: &Path, to: &Path) -> Result<serde_json::Value, VolumeIoErro
 #[allow(dead_code)] // The tests call what it is made of.
 pub fn main() -> Result<(), Box<dyn Error>> {
     let files: Vec<String> = std::env::args().skip(1).collect();
+    if files.is_empty() {
+        return Err("which files? convert IN OUT [IN OUT ...]".into());
+    }
     let mut failed = 0;
     for pair in files.chunks(2) {
         let [from, to] = pair else { return Err("give pairs of files: convert IN OUT [IN OUT ...]".into()) };

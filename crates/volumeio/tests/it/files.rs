@@ -152,6 +152,24 @@ fn a_file_that_is_cut_short_is_an_error() {
 }
 
 #[test]
+fn a_wrong_checksum_is_an_error_and_padding_is_not() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, whole) in
+        samples().into_iter().filter(|(name, _)| matches!(*name, "b.nii.gz" | "a.mgz" | "b.nrrd"))
+    {
+        let path = folder.path().join(name);
+        std::fs::write(&path, [&whole[..], &[0; 512]].concat()).unwrap();
+        read_volume(&path).unwrap();
+        let mut damaged = whole;
+        let at = damaged.len() - 8;
+        damaged[at] ^= 1;
+        std::fs::write(&path, damaged).unwrap();
+        let error = read_volume(&path).unwrap_err().to_string();
+        assert!(error.contains("damaged data"), "{error}");
+    }
+}
+
+#[test]
 fn endings_say_the_format_in_any_case() {
     for (name, format) in [
         ("A.NII.GZ", VolumeFormat::Nifti),
