@@ -7,12 +7,16 @@ use crate::error::Fault;
 use crate::polygon::Faces;
 use crate::read::{Parsed, note};
 use header::{Element, Encoding, Header, Kind};
-use values::{AsciiValues, BinaryValues, Values};
+use values::{AsciiValues, BinaryValues, Values, WordValues};
 
 pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
     let (header, lines) = Header::parse(bytes)?;
     match header.encoding {
-        Encoding::Ascii => body(&header, &mut AsciiValues::new(lines)),
+        // The format asks for a line for each element; a file that has not may still work out to its last word.
+        Encoding::Ascii => body(&header, &mut AsciiValues::new(lines.clone())).or_else(|fault| {
+            let mut words = WordValues::new(lines.rest());
+            body(&header, &mut words).ok().filter(|_| words.is_done()).ok_or(fault)
+        }),
         Encoding::LittleEndian => body(&header, &mut BinaryValues::new(lines.rest(), false)),
         Encoding::BigEndian => body(&header, &mut BinaryValues::new(lines.rest(), true)),
     }
@@ -236,6 +240,22 @@ mod tests {
             assert_eq!(parsed.triangles, [[0, 1, 2], [0, 2, 3], [0, 2, 1]]);
             assert_eq!(parsed.polygons, 1);
         }
+    }
+
+    #[test]
+    fn lines_of_text_may_end_anywhere() {
+        let text = String::from_utf8(ascii()).unwrap();
+        let (header, body) = text.split_once("end_header\n").unwrap();
+        let words: Vec<&str> = body.split_whitespace().collect();
+        for width in [1, 4, 7, 1000] {
+            let lines: Vec<String> = words.chunks(width).map(|w| w.join(" ")).collect();
+            let parsed = parse(format!("{header}end_header\n{}", lines.join("\n")).as_bytes()).unwrap();
+            assert_eq!((parsed.vertices, parsed.triangles.len()), (VERTICES.to_vec(), 3));
+        }
+        // A value that is missing is not borrowed from the next line.
+        let missing = text.replacen("nan 1 0 0", "nan 1 0", 1);
+        let fault = format!("{:?}", parse(missing.as_bytes()).map(|_| ()).unwrap_err());
+        assert!(fault.contains("line: Some(17)"), "{fault}");
     }
 
     #[test]

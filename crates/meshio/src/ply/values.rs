@@ -1,6 +1,6 @@
 use super::header::{Element, Kind, Scalar};
 use crate::error::Fault;
-use crate::text::{Lines, Words, parse as number, show};
+use crate::text::{Lines, Tokens, Words, parse as number, show};
 
 /// The values after the header, one after another, each as f64 (exact for all of PLY's types).
 pub(super) trait Values {
@@ -76,6 +76,42 @@ impl Values for AsciiValues<'_> {
 
     fn fault(&self, reason: String) -> Fault {
         Fault::at(self.lines.number(), reason)
+    }
+}
+
+/// Values one after another, wherever lines end.
+pub(super) struct WordValues<'a>(Tokens<'a>);
+
+impl<'a> WordValues<'a> {
+    pub(super) fn new(rest: &'a [u8]) -> Self {
+        Self(Tokens::new(rest))
+    }
+
+    /// Whether all values have been read.
+    pub(super) fn is_done(&self) -> bool {
+        self.0.clone().next().is_none()
+    }
+}
+
+impl Values for WordValues<'_> {
+    fn left(&self) -> u64 {
+        self.0.rest().len() as u64 + 1
+    }
+
+    fn smallest(&self, _: Kind) -> u64 {
+        2
+    }
+
+    fn begin(&mut self, _: &Element, _: u64) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    fn scalar(&mut self, _: Scalar) -> Result<f64, Fault> {
+        self.0.number("a value")
+    }
+
+    fn fault(&self, reason: String) -> Fault {
+        self.0.fault(reason)
     }
 }
 
