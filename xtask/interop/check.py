@@ -41,8 +41,7 @@ def check_numpy(mesh, folder):
         "region_vertices_start": ("<i8", (len(regions) + 1,)),
         "region_voxels_start": ("<i8", (len(regions) + 1,)),
         "voxel_index": ("<u4", (voxels, 3)),
-        "grid_origin": ("<f8", (3,)),
-        "pitch": ("<f8", ()),
+        "grid_affine": ("<f8", (4, 4)),
         "eigenvalues": ("<f8", (record["spectrum"]["eigenpairs"],)),
         "region_descriptor": ("<f8", (len(regions), 7)),
     }
@@ -51,7 +50,8 @@ def check_numpy(mesh, folder):
     values = arrays["eigenvalues"]
     true("eigenvalues ascend from 0", values[0] == 0 and (np.diff(values) >= 0).all() and values[1] > 0)
     # Regions, their numbers and centroids against regions.json; the smallest around each element.
-    pitch, origin = arrays["pitch"], arrays["grid_origin"]
+    affine = arrays["grid_affine"]
+    cell = abs(np.linalg.det(affine[:3, :3]))
     for what in ["vertices", "voxels"]:
         lists = np.split(arrays[f"region_{what}"], arrays[f"region_{what}_start"][1:-1])
         equal(f"number of {what}", [len(x) for x in lists], [r[what] for r in regions])
@@ -61,16 +61,16 @@ def check_numpy(mesh, folder):
         same(f"innermost region of {what}", arrays["vertex_region" if what == "vertices" else "voxel_region"], label)
         if what == "voxels":
             for members, region in zip(lists, regions):
-                centres = origin + pitch * (arrays["voxel_index"][members] + 0.5)
+                centres = arrays["voxel_index"][members] @ affine[:3, :3].T + affine[:3, 3]
                 true("centroid", np.allclose(centres.mean(0), region["centroid"], rtol=0, atol=1e-9))
-                true("volume", np.isclose(len(members) * pitch**3, region["volume"], rtol=1e-12))
+                true("volume", np.isclose(len(members) * cell, region["volume"], rtol=1e-12))
     for number, tree in enumerate(record["trees"]):
         parent, volume, entry = (arrays[f"tree{number}_{name}"] for name in ["parent", "volume", "entry"])
         equal("nodes", len(parent), tree["nodes"])
         inner = np.flatnonzero(parent >= 0)
         true("children come before parents and are smaller", (parent[inner] > inner).all() and (volume[parent[inner]] > volume[inner]).all())
-        true("the root is everything", np.isclose(volume[parent < 0].sum(), voxels * pitch**3))
-        equal("entries", (entry.dtype.str, len(entry), int(entry.max()) < len(parent)), ("<u4", voxels, True))
+        true("the root is everything", np.isclose(volume[parent < 0].sum(), voxels * cell))
+        equal("entries", (entry.dtype.str, len(entry), int(entry.max()) < len(parent)), ("<i4", voxels, True))
     return f"{len(arrays.files)} arrays"
 
 
@@ -140,15 +140,17 @@ def check_vtk(mesh, folder):
 
     grid = read(vtkXMLImageDataReader(), folder / "rest" / "volume.vti")
     arrays = np.load(folder / "rest" / "features.npz")
-    same("spacing", grid.GetSpacing(), np.full(3, arrays["pitch"]))
-    same("origin", grid.GetOrigin(), arrays["grid_origin"])
+    affine = arrays["grid_affine"]
+    same("spacing", grid.GetSpacing(), np.diag(affine)[:3])
+    true("origin", np.allclose(grid.GetOrigin(), affine[:3] @ [-0.5, -0.5, -0.5, 1], rtol=1e-12, atol=0))
     cells = np.array(grid.GetDimensions())[::-1] - 1
     inside, region = (array(grid.GetCellData(), name).reshape(cells) for name in ["inside", "region"])
-    z, y, x = arrays["voxel_index"].T[::-1]
+    # The file holds the part of the grid that its extent says.
+    z, y, x = (arrays["voxel_index"] - np.array(grid.GetExtent()[::2])).T[::-1]
     same("regions (VTI)", region[z, y, x], arrays["voxel_region"])
     equal("voxels (VTI)", (int(inside.sum()), int(inside[z, y, x].sum())), (len(x), len(x)))
     same("empty voxels (VTI)", region[inside == 0], -2)
-    share = len(x) * float(arrays["pitch"]) ** 3 / mass.GetVolume()
+    share = len(x) * np.linalg.det(affine[:3, :3]) / mass.GetVolume()
     true(f"the voxels' volume is that of the surface ({share})", 0.95 < share < 1.05)
     return f"{surface.GetNumberOfPolys()} triangles, {len(x)} voxels"
 

@@ -65,6 +65,18 @@ pub fn mser3d<A: AsRef<OsStr>>(arguments: &[A]) -> Result<(), String> {
     output(command.args(arguments), Duration::from_secs(1800)).map(drop)
 }
 
+/// Builds the command `mser3d` of this workspace; where it is.
+pub fn program() -> Result<PathBuf, String> {
+    mser3d(&["--version"])?;
+    Ok(release().join(format!("mser3d{}", std::env::consts::EXE_SUFFIX)))
+}
+
+/// Where release builds of this workspace are.
+fn release() -> PathBuf {
+    let target = std::env::var_os("CARGO_TARGET_DIR").map(PathBuf::from);
+    target.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../target")).join("release")
+}
+
 /// Builds an example of one of this workspace's crates; where its program is.
 pub fn example(package: &str, name: &str) -> Result<PathBuf, String> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
@@ -72,9 +84,7 @@ pub fn example(package: &str, name: &str) -> Result<PathBuf, String> {
     let mut command = Command::new(cargo);
     command.args(["build", "--quiet", "--release", "--package", package, "--example", name]);
     output(command.arg("--manifest-path").arg(root.join("Cargo.toml")), Duration::from_secs(1800))?;
-    let target = std::env::var_os("CARGO_TARGET_DIR").map_or(root.join("target"), PathBuf::from);
-    let program = format!("{name}{}", std::env::consts::EXE_SUFFIX);
-    Ok(target.join("release").join("examples").join(program))
+    Ok(release().join("examples").join(format!("{name}{}", std::env::consts::EXE_SUFFIX)))
 }
 
 #[cfg(all(test, unix))]

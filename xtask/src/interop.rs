@@ -1,8 +1,8 @@
-//! `cargo xtask interop`: what mser3d writes, opened by each format's own library; and volumes that those libraries
-//! write, read by mser3d.
+//! `cargo xtask interop`: what mser3d writes, opened by each format's own library; and volumes, masks and label maps
+//! that those libraries write, read by mser3d.
 //!
 //! The libraries come from PyPI and npm, in the versions of `xtask/interop`, into `target/interop`; the
-//! checks are in `check.py`, `volumes.py` and `validate.cjs` there. A library that cannot be had is skipped, and said
+//! checks are in `check.py`, `volumes.py`, `label_maps.py` and `validate.cjs` there. A library that cannot be had is skipped, and said
 //! so.
 
 mod libraries;
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use crate::command::{example, mser3d, output};
+use crate::command::{example, mser3d, output, program};
 use libraries::{Libraries, TOOLS};
 
 /// A library that takes longer for a few megabytes hangs.
@@ -79,6 +79,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
         Ok(python) => Outcome::of(volumes(python, &folder.join("volumes"))),
     };
     counts.add("nibabel, pynrrd, tifffile, SimpleITK", "volumes", outcome);
+    let outcome = match libraries.python(&["numpy", "nibabel", "vtk", "packaging", "typing_extensions"]) {
+        Err(missing) => Outcome::Skipped(missing),
+        Ok(python) => Outcome::of(label_maps(python, &folder.join("label_maps"))),
+    };
+    counts.add("nibabel, VTK", "masks and label maps", outcome);
     let outcome = match libraries.node() {
         Err(missing) => Outcome::Skipped(missing),
         Ok(mut node) => Outcome::of(validate(&mut node, &files)),
@@ -119,6 +124,17 @@ fn volumes(python: &Path, folder: &Path) -> Result<String, String> {
     let mut command = Command::new(python);
     command.args(["-W", "ignore"]).arg(tools("volumes.py")).arg(convert).arg(folder);
     output(&mut command, CHECK)
+}
+
+/// Masks in all orientations and label maps, through the program; a real one where the shared data are.
+fn label_maps(python: &Path, folder: &Path) -> Result<String, String> {
+    if folder.exists() {
+        std::fs::remove_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    }
+    let mut command = Command::new(python);
+    command.args(["-W", "ignore"]).arg(tools("label_maps.py")).arg(program()?).arg(folder);
+    let real = Path::new("../shared/data/segmentation/example_seg.nii.gz");
+    output(if real.exists() { command.arg(real) } else { &mut command }, CHECK)
 }
 
 fn validate(node: &mut Command, files: &Path) -> Result<String, String> {
