@@ -10,7 +10,7 @@ use crate::voxel_fill::{Solid, sweep};
 /// Voxels along the longest side of the coarse grid.
 const RESOLUTION: usize = 48;
 
-/// Scattered triangles that cross grid lines more often than this in each voxel are a soup: the surface
+/// Triangles that hang together badly and cross grid lines more often than this in each voxel are a soup: the surface
 /// of a solid is crossed a few times by a whole line.
 const CROWDED: f64 = 0.5;
 
@@ -37,7 +37,7 @@ impl CoarseEstimate {
             return Ok(None);
         };
         let pitch = frame.spacing()[0] * surface.scale;
-        if surface.scattered() && crossings_per_voxel(surface, pitch) > CROWDED {
+        if is_crowded(surface) {
             return Err(Soup);
         }
         let solid = sweep(surface, &frame, rule, inside_test);
@@ -51,6 +51,12 @@ impl CoarseEstimate {
         }
         Ok(Some(Self { volume: inside * pitch.powi(3), overlap: doubled as f64 / inside }))
     }
+}
+
+/// Whether a surface full of boundaries fills its box so densely that it is a soup.
+pub(crate) fn is_crowded(surface: &Surface) -> bool {
+    let pitch = resolution_pitch(surface, RESOLUTION).map_or(0.0, |pitch| pitch * surface.scale);
+    surface.tangled() && pitch > 0.0 && crossings_per_voxel(surface, pitch) > CROWDED
 }
 
 /// How often the surface crosses a grid line within a voxel of the box around it, on average.

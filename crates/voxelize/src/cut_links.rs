@@ -5,7 +5,7 @@ use crate::inside_rule::RunningWinding;
 use crate::placed_surface::PlacedSurface;
 use rayon::prelude::*;
 
-/// Surfaces closer than this, in voxels, are in contact.
+/// Bodies closer than this part of the grid's longest side are in contact: coordinates are not more precise.
 const CONTACT: f64 = 1e-9;
 
 impl<'a> PlacedSurface<'a> {
@@ -83,9 +83,11 @@ impl<'a> PlacedSurface<'a> {
         mut passed: Vec<(f64, Crossing)>,
     ) -> bool {
         passed.retain(|p| self.parts(p.1));
+        // At one place, going in comes first: bodies in contact are one solid, as those that overlap. A shell
+        // in contact with itself is covered twice for a moment, and so parted, unless overlaps are joined.
+        let contact = CONTACT * self.lattice.dims.into_iter().max().unwrap_or(1) as f64;
         for (place, crossing) in &mut passed {
-            // Surfaces in contact part: at one place, leaving comes first.
-            *place += if crossing.entering() { CONTACT } else { 0.0 };
+            *place -= if crossing.entering() { contact } else { 0.0 };
         }
         passed.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut state = match &self.holes {

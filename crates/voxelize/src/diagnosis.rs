@@ -2,6 +2,8 @@ use crate::coarse_estimate::CoarseEstimate;
 use crate::inside_rule::InsideRule;
 use crate::inside_test::{InsideTest, Reason, choose};
 use crate::mesh_analysis::MeshAnalysis;
+use crate::mesh_to_grid::{Prepared, prepare};
+use crate::parameters::VoxelizeParameters;
 use crate::surface::{Shell, Surface};
 use crate::triangle_geometry::area_vector;
 use mser3d_shape::vector::{norm, sub};
@@ -71,6 +73,9 @@ pub struct Diagnosis {
     pub inside: InsideTest,
     /// Why that test suits the mesh.
     pub reason: Reason,
+    /// Why [`voxelize`](crate::voxelize) refuses the mesh with the default parameters: the message of its
+    /// error. `None` if it makes a solid.
+    pub refused: Option<String>,
 }
 
 /// Examines a mesh: O(n) time for n triangles, and a coarse voxelization for the overlap.
@@ -85,9 +90,17 @@ pub struct Diagnosis {
 /// # Ok::<(), mser3d_shape::ShapeError>(())
 /// ```
 pub fn diagnose(mesh: &TriangleMesh) -> Diagnosis {
-    let analysis = MeshAnalysis::new(mesh);
+    let prepared = prepare(mesh, &VoxelizeParameters::default());
+    let refused = prepared.as_ref().err().map(ToString::to_string);
+    let (analysis, surface) = match prepared {
+        Ok(Prepared { analysis, surface, inside_test: InsideTest::Winding, .. }) => (analysis, surface),
+        _ => {
+            let analysis = MeshAnalysis::new(mesh);
+            let surface = Surface::oriented(mesh, &analysis);
+            (analysis, surface)
+        }
+    };
     let (inside_test, reason) = choose(InsideTest::Auto, &analysis);
-    let surface = Surface::oriented(mesh, &analysis);
     let mut used = DisjointSets::new(mesh.vertices().len());
     let mut referenced = vec![false; mesh.vertices().len()];
     for &[a, b, c] in mesh.triangles() {
@@ -100,7 +113,12 @@ pub fn diagnose(mesh: &TriangleMesh) -> Diagnosis {
     };
     let components = roots(&mut used);
     let unreferenced_vertices = referenced.iter().filter(|r| !**r).count();
-    let coarse = CoarseEstimate::of(&surface, InsideRule::Total { join: true }, InsideTest::Winding);
+    // A soup has no inside of which a part could be covered twice.
+    let coarse = if refused.is_some() && surface.tangled() {
+        None
+    } else {
+        CoarseEstimate::of(&surface, InsideRule::Total { join: true }, InsideTest::Winding).ok().flatten()
+    };
     let bodies = |test: fn(&Shell) -> bool| surface.shells.iter().filter(|b| test(b)).count();
     let file = &analysis.file;
     let characteristic =
@@ -134,9 +152,10 @@ pub fn diagnose(mesh: &TriangleMesh) -> Diagnosis {
         bounding_box: (!mesh.triangles().is_empty()).then_some(surface.bounds),
         euler_characteristic: characteristic,
         genus,
-        overlap_fraction: coarse.ok().flatten().map(|coarse| coarse.overlap),
+        overlap_fraction: coarse.map(|coarse| coarse.overlap),
         inside: inside_test,
         reason,
+        refused,
     }
 }
 

@@ -29,17 +29,19 @@ pub enum VoxelizeError {
         /// Edges with one triangle.
         boundary_edges: usize,
     },
-    /// Triangles that hang together hardly anywhere, and whose winding numbers are fractions all over.
+    /// Triangles that bound nothing: their winding numbers are fractions all over.
     #[error(
-        "the {triangles} triangles bound no solid: with {boundary_edges} boundary edges they hang together hardly \
-         anywhere, and their winding numbers are far from whole; repair the mesh, or count crossings along \
-         three axes (the inside test `vote`)"
+        "the {triangles} triangles bound no solid: with {boundary_edges} boundary edges and {non_manifold_edges} \
+         edges of more than two triangles, their winding numbers are far from whole; repair the mesh, or count \
+         crossings along three axes (the inside test `vote`)"
     )]
     Soup {
         /// Triangles of the mesh.
         triangles: usize,
         /// Edges with one triangle.
         boundary_edges: usize,
+        /// Edges with more than two triangles.
+        non_manifold_edges: usize,
     },
     /// No voxel centre lies inside.
     #[error(
@@ -90,6 +92,9 @@ pub enum VoxelizeError {
         /// The largest coordinate.
         reach: f64,
     },
+    /// The check that was given said to stop.
+    #[error("cancelled")]
+    Cancelled,
     /// The grid cannot be made.
     #[error(transparent)]
     Shape(#[from] ShapeError),

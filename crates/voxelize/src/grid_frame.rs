@@ -1,6 +1,6 @@
 //! The grid that the parameters ask for, and the error where none of its voxels is inside.
 
-use crate::coarse_estimate::{CoarseEstimate, Soup};
+use crate::coarse_estimate::{CoarseEstimate, Soup, is_crowded};
 use crate::error::VoxelizeError;
 use crate::frame_around::{around_within, checked, resolution_pitch};
 use crate::inside_rule::InsideRule;
@@ -19,12 +19,11 @@ pub(crate) fn frame(
     inside_test: InsideTest,
     parameters: &VoxelizeParameters,
 ) -> Result<Frame, VoxelizeError> {
-    let coarse = || {
-        let (triangles, boundary_edges) = (mesh.triangles().len(), analysis.counts.boundary);
-        CoarseEstimate::of(surface, rule, inside_test)
-            .map_err(|Soup| VoxelizeError::Soup { triangles, boundary_edges })
-    };
+    let coarse = || CoarseEstimate::of(surface, rule, inside_test).map_err(|Soup| soup(mesh, analysis));
     // A soup is refused before it takes hours.
+    if is_crowded(surface) {
+        return Err(soup(mesh, analysis));
+    }
     let scattered = if surface.scattered() { Some(coarse()?) } else { None };
     if let Some(frame) = parameters.frame {
         return checked(frame, surface, parameters.max_box_voxels);
@@ -48,6 +47,15 @@ pub(crate) fn frame(
     };
     let limit = parameters.max_box_voxels;
     checked(around_within(surface, spacing, parameters.origin, limit)?, surface, limit)
+}
+
+/// The refusal of triangles that bound nothing.
+pub(crate) fn soup(mesh: &TriangleMesh, analysis: &MeshAnalysis) -> VoxelizeError {
+    VoxelizeError::Soup {
+        triangles: mesh.triangles().len(),
+        boundary_edges: analysis.counts.boundary,
+        non_manifold_edges: analysis.counts.non_manifold,
+    }
 }
 
 /// The pitch at which about n voxels fill the volume: the mesh's own where it is closed, an estimate in

@@ -29,6 +29,8 @@ pub(crate) const UNCLEAR: f64 = 0.2;
 pub(crate) const BLOCK: usize = 4;
 /// Voxels in a block.
 const VOLUME: usize = BLOCK * BLOCK * BLOCK;
+/// More winding numbers of a block than this close to a half are no boundary that passes through.
+const PLATEAU: usize = VOLUME / 4;
 const UNMARKED: u32 = u32::MAX;
 /// Far finer than the error of the evaluation. Values reach +-8; beyond that they only need to be large.
 const STEP: f64 = 1.0 / 4096.0;
@@ -100,9 +102,12 @@ impl Part {
         };
         let points: [Vec3; VOLUME] = std::array::from_fn(place);
         let found = self.tree.winding_numbers(&target, &points);
-        for ((value, winding), point) in values.iter_mut().zip(found).zip(points) {
+        // Where they are a half all over, as in a soup, no precision makes a surface of them.
+        let plateau = found.iter().filter(|w| WindingTree::is_close(**w)).count() > PLATEAU;
+        for ((value, &winding), &point) in values.iter_mut().zip(&found).zip(&points) {
+            let winding = if plateau { winding } else { self.tree.decided(point, winding) };
             // Rounded upwards: what is more than a half stays more than a half.
-            *value = (self.sign * self.tree.decided(point, winding) / STEP).ceil() as i16;
+            *value = (self.sign * winding / STEP).ceil() as i16;
         }
     }
 }

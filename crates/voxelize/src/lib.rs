@@ -25,12 +25,14 @@
 //!   tests that count crossings of an open mesh.
 //! * No vertex is moved. Merging vertices, turning triangles over and closing holes only change how a mesh is
 //!   read, and warnings report them.
-//! * Where bodies overlap, their surfaces are ordered along a line in floating point; closer than
-//!   1e-9 voxels they count as in contact.
+//! * Bodies that overlap or touch are one solid; one surface that overlaps or touches itself is parted there.
+//!   Where bodies overlap, their surfaces are ordered along a line in floating point; closer than 1e-9 of the
+//!   grid's longest side they count as in contact.
 #![warn(missing_docs)]
 
 mod axis_parity;
 mod axis_sweep;
+mod boundary_loops;
 mod bvh;
 mod centre_lattice;
 mod coarse_estimate;

@@ -1,9 +1,11 @@
 //! From the triangles of a file to an oriented surface: what is wrong with a mesh, and which reading
 //! of it makes most sense. Nothing here moves a vertex.
 
-use crate::mesh_edges::{EdgeCounts, Edges, consistent_orientation, duplicates, manifold_components, weld};
+use crate::mesh_edges::{
+    EdgeCounts, Edges, Side, consistent_orientation, duplicates, manifold_components, weld,
+};
 use crate::triangle_geometry::area_vector;
-use mser3d_shape::vector::norm;
+use mser3d_shape::vector::{Vec3, cross, dot, norm, scale, sub};
 use mser3d_shape::{DisjointSets, TriangleMesh};
 use std::borrow::Cow;
 
@@ -130,14 +132,15 @@ impl<'m> MeshAnalysis<'m> {
     }
 
     /// Which triangles form a shell: those joined across edges with two sides. Where more than two sides
-    /// meet, components join that are not balanced at the edge without each other.
-    pub fn shells(&self) -> DisjointSets {
+    /// meet, components that are not balanced at the edge without each other join in pairs that have the
+    /// inside between them; all of them where there are no such pairs.
+    pub fn shells(&self, positions: &[Vec3]) -> DisjointSets {
         let mut sets = manifold_components(self.triangles.len(), &self.edges);
         if self.counts.non_manifold == 0 {
             return sets;
         }
         let mut joined = sets.clone();
-        self.edges.for_each(|_, _, sides| {
+        self.edges.for_each(|low, high, sides| {
             if sides.len() > 2 {
                 let mut parts: Vec<(u32, i32)> = Vec::new();
                 for (_, side) in sides {
@@ -148,11 +151,67 @@ impl<'m> MeshAnalysis<'m> {
                     }
                 }
                 parts.retain(|p| p.1 != 0);
-                for pair in parts.windows(2) {
-                    joined.union(pair[0].0, pair[1].0);
+                let mut part_of = |side: &Side| sets.find(side.triangle() as u32);
+                let open: Vec<(u32, Side)> = sides
+                    .iter()
+                    .map(|(_, side)| (part_of(side), *side))
+                    .filter(|(part, _)| parts.iter().any(|p| p.0 == *part))
+                    .collect();
+                match self.wedges([low, high], &open, positions) {
+                    Some(pairs) => pairs.into_iter().for_each(|[a, b]| {
+                        joined.union(a, b);
+                    }),
+                    None => parts.windows(2).for_each(|pair| {
+                        joined.union(pair[0].0, pair[1].0);
+                    }),
                 }
             }
         });
         joined
+    }
+
+    /// The sides around an edge in pairs with the inside between them, as components; `None` if they do not
+    /// alternate so.
+    fn wedges(
+        &self,
+        [low, high]: [u32; 2],
+        sides: &[(u32, Side)],
+        positions: &[Vec3],
+    ) -> Option<Vec<[u32; 2]>> {
+        let start = positions[low as usize];
+        let axis = sub(positions[high as usize], start);
+        let across = |side: &Side| {
+            let apex = self.triangles[side.triangle()].into_iter().find(|v| ![low, high].contains(v));
+            let arm = sub(positions[apex.unwrap_or(low) as usize], start);
+            sub(arm, scale(axis, dot(arm, axis) / dot(axis, axis)))
+        };
+        let first = across(&sides.first()?.1);
+        let third = cross(axis, first);
+        let turn = |side: &Side| {
+            let arm = across(side);
+            // Of one length, as `third` is longer than `first` by that of the axis.
+            let angle = dot(arm, third).atan2(dot(arm, first) * norm(axis));
+            // Faces in contact lie at one angle, up to rounding.
+            ((angle / 1e-9).round() as i64).rem_euclid((std::f64::consts::TAU / 1e-9) as i64)
+        };
+        // Turning about the edge, a triangle that runs along it ends an inside, the others begin one.
+        let mut around: Vec<(i64, bool, u32)> =
+            sides.iter().map(|(part, side)| (turn(side), side.direction() < 0, *part)).collect();
+        around.sort_unstable();
+        let (mut begun, mut pairs) = (Vec::new(), Vec::new());
+        let mut done = vec![false; around.len()];
+        for i in (0..around.len()).chain(0..around.len()) {
+            let (_, begins, part) = around[i];
+            if begins && !done[i] && !begun.contains(&i) {
+                begun.push(i);
+            } else if !begins
+                && !done[i]
+                && let Some(other) = begun.pop()
+            {
+                (done[i], done[other]) = (true, true);
+                pairs.push([part, around[other].2]);
+            }
+        }
+        done.iter().all(|d| *d).then_some(pairs)
     }
 }

@@ -113,16 +113,16 @@ pub fn inside(
 }
 
 /// A mesh that has been examined, ready to be swept.
-struct Prepared<'m> {
-    analysis: MeshAnalysis<'m>,
-    surface: Surface<'m>,
-    frame: Frame,
-    rule: InsideRule,
-    inside_test: InsideTest,
-    reason: Reason,
+pub(crate) struct Prepared<'m> {
+    pub analysis: MeshAnalysis<'m>,
+    pub surface: Surface<'m>,
+    pub frame: Frame,
+    pub rule: InsideRule,
+    pub inside_test: InsideTest,
+    pub reason: Reason,
 }
 
-fn prepare<'m>(
+pub(crate) fn prepare<'m>(
     mesh: &'m TriangleMesh,
     parameters: &VoxelizeParameters,
 ) -> Result<Prepared<'m>, VoxelizeError> {

@@ -33,8 +33,8 @@ mser3d_shape::choice! {
     pub enum Overlap("overlap policy") {
         /// A surface that overlaps itself is parted, different bodies are joined
         ///
-        /// One connected surface that overlaps itself is taken for limbs in contact, bodies that overlap
-        /// for a union.
+        /// One connected surface that overlaps or touches itself is taken for limbs in contact, bodies that
+        /// overlap or touch for a union. Bodies touch when the gap is at most 1e-9 of the grid's longest side.
         #[default]
         Auto = "auto",
         /// Voxels that are covered twice are left out

@@ -1,11 +1,11 @@
 //! From oriented triangles to shells: which belong together, how their holes are closed, which way they face.
 
+use crate::boundary_loops::{BoundarySide, loops};
 use crate::mesh_analysis::MeshAnalysis;
 use crate::surface::{Shell, Surface};
 use crate::triangle_geometry::{area_vector, solid_angle};
+use mser3d_shape::TriangleMesh;
 use mser3d_shape::vector::{Vec3, add, cross, dot, norm, scale, sub};
-use mser3d_shape::{DisjointSets, TriangleMesh};
-use std::collections::HashMap;
 
 /// The most shells with holes that are treated one by one; all further ones count as a single shell.
 const MAX_OPEN_SHELLS: usize = 16;
@@ -30,7 +30,7 @@ impl<'m> Surface<'m> {
 
     /// Finds the shells of the oriented triangles, and closes their holes.
     fn find_shells(&mut self, analysis: &MeshAnalysis) {
-        let mut sets = analysis.shells();
+        let mut sets = analysis.shells(&self.vertices);
         let mut number = vec![u32::MAX; self.triangles.len()];
         let mut of: Vec<u32> = Vec::with_capacity(self.triangles.len());
         let mut found = 0;
@@ -98,6 +98,7 @@ impl<'m> Surface<'m> {
         if boundary.is_empty() {
             return;
         }
+        self.boundary_sides = boundary.len();
         let mut sides = vec![0usize; self.shells.len()];
         for side in &boundary {
             sides[side.shell as usize] += 1;
@@ -108,28 +109,19 @@ impl<'m> Surface<'m> {
         for (b, shell) in self.shells.iter_mut().enumerate() {
             shell.scattered = sides[b] >= triangles[b];
         }
-        let mut loops = DisjointSets::new(self.vertices.len());
-        for side in &boundary {
-            loops.union(side.from, side.to);
-        }
-        let mut sums: HashMap<(u32, u32), (Vec3, f64, u32)> = HashMap::new();
-        let mut apexes = Vec::new();
-        for side in &boundary {
-            let key = (side.shell, loops.find(side.from));
-            let entry = sums.entry(key).or_insert_with(|| {
-                apexes.push(key);
-                ([0.0; 3], 0.0, (apexes.len() - 1) as u32)
-            });
-            entry.0 = add(entry.0, self.vertices[side.from as usize]);
-            entry.1 += 1.0;
+        let (loop_of, count) = loops(self.vertices.len(), &boundary);
+        let mut sums = vec![([0.0; 3], 0.0); count as usize];
+        for (side, &number) in boundary.iter().zip(&loop_of) {
+            let sum: &mut (Vec3, f64) = &mut sums[number as usize];
+            *sum = (add(sum.0, self.vertices[side.from as usize]), sum.1 + 1.0);
         }
         let first = self.vertices.len() as u32;
-        self.vertices.to_mut().extend(apexes.iter().map(|key| scale(sums[key].0, 1.0 / sums[key].1)));
+        self.vertices.to_mut().extend(sums.iter().map(|&(sum, sides)| scale(sum, 1.0 / sides)));
         for small in [true, false] {
-            for side in &boundary {
-                let (_, sides, apex) = sums[&(side.shell, loops.find(side.from))];
+            for (side, &number) in boundary.iter().zip(&loop_of) {
+                let sides = sums[number as usize].1;
                 if !self.shells[side.shell as usize].scattered && small == (sides <= SMALL_HOLE) {
-                    self.triangles.to_mut().push([side.to, side.from, first + apex]);
+                    self.triangles.to_mut().push([side.to, side.from, first + number]);
                     self.shell_of.push(side.shell);
                 }
             }
@@ -173,13 +165,6 @@ impl<'m> Surface<'m> {
             shell.volume *= sign(*turn);
         }
     }
-}
-
-/// A side of a triangle that no other side of its shell runs against.
-struct BoundarySide {
-    from: u32,
-    to: u32,
-    shell: u32,
 }
 
 fn boundary_sides(analysis: &MeshAnalysis, shell_of: &[u32]) -> Vec<BoundarySide> {

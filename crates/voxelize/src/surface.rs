@@ -22,6 +22,9 @@ pub(crate) struct Shell {
 /// A closed shell whose volume is less than this part of its area to the power of 3/2 is flat.
 const FLAT: f64 = 1e-9;
 
+/// So many boundary sides a triangle are many: a surface with every tenth triangle missing has fewer.
+const TANGLED: f64 = 0.4;
+
 impl Shell {
     /// Whether it is closed and encloses nothing, like a sheet of two faces back to back.
     pub fn is_flat(&self) -> bool {
@@ -43,6 +46,8 @@ pub(crate) struct Surface<'m> {
     pub shells: Vec<Shell>,
     /// The shell of each triangle and cap; empty with a single shell.
     pub shell_of: Vec<u32>,
+    /// Sides of triangles that no other side of their shell runs against.
+    pub boundary_sides: usize,
     /// Power of two that coordinates were multiplied with.
     pub scale: f64,
     /// The box around the mesh, in its own units.
@@ -81,6 +86,7 @@ impl<'m> Surface<'m> {
             patched: caps,
             shells: Vec::new(),
             shell_of: Vec::new(),
+            boundary_sides: 0,
             scale,
             bounds,
             reach: reach * scale,
@@ -106,6 +112,11 @@ impl<'m> Surface<'m> {
     /// Whether the winding number of some shell is summed over its triangles.
     pub fn scattered(&self) -> bool {
         self.shells.iter().any(|b| b.scattered)
+    }
+
+    /// Whether much of the surface is boundary.
+    pub fn tangled(&self) -> bool {
+        self.boundary_sides as f64 > TANGLED * self.caps as f64
     }
 
     /// Volume enclosed by all shells and caps, in scaled units.

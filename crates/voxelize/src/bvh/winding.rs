@@ -6,7 +6,7 @@ use super::stack::Stack;
 use super::{Bvh, distance_squared};
 use crate::predicates::side;
 use crate::triangle_geometry::solid_angle;
-use mser3d_shape::vector::{Vec3, dot, norm, sub};
+use mser3d_shape::vector::{Vec3, cross, dot, norm, sub};
 use mser3d_shape::{BoundingBox, TriangleMesh};
 use std::f64::consts::PI;
 
@@ -104,12 +104,17 @@ impl WindingTree {
         sum
     }
 
+    /// Whether an approximation is too close to a half to be trusted.
+    #[inline]
+    pub(crate) fn is_close(value: f64) -> bool {
+        (value - half(value)).abs() < COARSE_ERROR
+    }
+
     /// The winding number at a point where an approximation came out as `value`. It is made more precise
     /// where it lies so close to a half that the approximation cannot tell on which side: then it does not
     /// depend on how the tree happens to be divided, and a turned mesh has the same inside.
     pub(crate) fn decided(&self, point: Vec3, value: f64) -> f64 {
-        let half = |w: f64| (w - 0.5).round() + 0.5;
-        if (value - half(value)).abs() > COARSE_ERROR {
+        if !Self::is_close(value) {
             return value;
         }
         let finer = self.winding_number_from(point, FINER);
@@ -188,7 +193,7 @@ impl WindingTree {
     /// What the triangles of a leaf add, one by one.
     fn of_leaf(&self, i: usize, point: Vec3) -> f64 {
         let (start, count) = (self.bvh.nodes[i].first as usize, self.bvh.nodes[i].count as usize);
-        self.bvh.corners[start..start + count].iter().map(|t| perturbed_solid_angle(t, point)).sum()
+        sum_of_solid_angles(&self.bvh.corners[start..start + count], point)
     }
 
     /// Whether the winding number stays below `bound` in absolute value all over a box: `true` is certain.
@@ -219,6 +224,40 @@ impl WindingTree {
         }
         true
     }
+}
+
+/// The half nearest to a number: an integer and a half.
+#[inline]
+fn half(x: f64) -> f64 {
+    x.floor() + 0.5
+}
+
+/// The solid angles of some triangles over 4 pi. The half angles are the arguments of complex numbers: these are
+/// multiplied, and the turns counted, so that one arc tangent serves all.
+#[inline]
+fn sum_of_solid_angles(triangles: &[[Vec3; 3]], point: Vec3) -> f64 {
+    let (mut re, mut im, mut turns, mut on_planes) = (1.0, 0.0, 0i32, 0.0);
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|p| sub(p, point));
+        let (la, lb, lc) = (norm(a), norm(b), norm(c));
+        let det = dot(a, cross(b, c));
+        let rest = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
+        let size = rest.abs() + det.abs();
+        if size == 0.0 || rest < 0.0 && det.abs() <= 1e-8 * size {
+            on_planes += perturbed_solid_angle(triangle, point);
+            continue;
+        }
+        let (x, y) = (rest / size, det / size);
+        let before = im;
+        (re, im) = (re * x - im * y, re * y + im * x);
+        // Two angles of one sign whose sum has the other one passed half a turn.
+        turns +=
+            i32::from(before > 0.0 && y > 0.0 && im < 0.0) - i32::from(before < 0.0 && y < 0.0 && im > 0.0);
+        // Not smaller than a half, so that no product vanishes.
+        let scale = 1.0 / (re.abs() + im.abs());
+        (re, im) = (re * scale, im * scale);
+    }
+    on_planes + im.atan2(re) / (2.0 * PI) + f64::from(turns)
 }
 
 /// The solid angle of a triangle over 4 pi, on its plane as seen from the perturbed point.

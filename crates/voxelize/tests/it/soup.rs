@@ -41,6 +41,60 @@ fn a_soup_is_refused_and_a_vote_takes_it() {
     }
 }
 
+/// n^3 cubes of six tetrahedra, each written as one face of four corners: a mesh of solids saved as a surface.
+fn tetrahedra_as_faces(n: u32) -> TriangleMesh {
+    let at = |[x, y, z]: [u32; 3]| x + (n + 1) * (y + (n + 1) * z);
+    let cells = |n: u32| (0..n * n * n).map(move |i| [i % n, i / n % n, i / n / n]);
+    let vertices = cells(n + 1).map(|p| p.map(|x| -f64::from(x))).collect();
+    // From a corner to the opposite one, along each order of the axes.
+    let orders = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+    let triangles = cells(n).flat_map(|cell| {
+        orders.into_iter().flat_map(move |order| {
+            let (mut corner, mut face) = (cell, [at(cell); 4]);
+            for i in 0..3 {
+                corner[order[i]] += 1;
+                face[i + 1] = at(corner);
+            }
+            [[face[0], face[1], face[2]], [face[0], face[2], face[3]]]
+        })
+    });
+    TriangleMesh::new(vertices, triangles.collect()).unwrap()
+}
+
+/// What a diagnosis says of a refusal is what comes, word by word; a large soup is refused at once.
+#[test]
+fn a_diagnosis_foretells_the_refusal() {
+    let started = std::time::Instant::now();
+    let large = tetrahedra_as_faces(12);
+    assert_eq!(large.triangles().len(), 20_736);
+    assert!(diagnose(&large).refused.is_some_and(|text| text.contains("bound no solid")));
+    let seconds = started.elapsed().as_secs_f64();
+    assert!(seconds < 5.0, "{seconds} s");
+    let plane = TriangleMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]).unwrap();
+    let mut meshes =
+        vec![large, plane, tetrahedra_as_faces(2), tangle(300), loose(500, 0.1), sphere([0.0; 3], 1.0, 2)];
+    meshes.extend(stl("cases/inspect_soup/soup.stl"));
+    for mesh in meshes {
+        let answer = voxelize(&mesh, &VoxelizeParameters::default());
+        assert_eq!(diagnose(&mesh).refused, answer.err().map(|e| e.to_string()));
+    }
+}
+
+/// A binary STL file of the shared cases.
+fn stl(path: &str) -> Option<TriangleMesh> {
+    let file = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared")).join(path);
+    let Ok(bytes) = std::fs::read(file) else {
+        eprintln!("skipped: {path} is not there");
+        return None;
+    };
+    let number = |b: &[u8]| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+    let corner = |b: &[u8]| [number(b), number(&b[4..]), number(&b[8..])];
+    let facets = bytes[84..].chunks_exact(50);
+    let vertices: Vec<Vec3> = facets.flat_map(|f| [12, 24, 36].map(|at| corner(&f[at..]))).collect();
+    let triangles = (0..vertices.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    Some(TriangleMesh::new(vertices, triangles).unwrap())
+}
+
 /// Each triangle of a ball moved a little on its own: nothing can be merged, and yet there is a ball.
 #[test]
 fn triangles_that_hang_together_nowhere_still_bound_a_ball() {
