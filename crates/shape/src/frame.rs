@@ -150,6 +150,11 @@ impl Frame {
         let volume = dot(x, normals[0]);
         std::array::from_fn(|a| dot(from, normals[a]) / volume / self.spacing[a])
     }
+
+    /// The frame of a part of the box: `dims` voxels, of which this frame's voxel `low` is the first.
+    pub fn part(&self, low: [u32; 3], dims: [usize; 3]) -> Self {
+        Self { dims, origin: self.position(low.map(f64::from)), ..*self }
+    }
 }
 
 #[cfg(test)]

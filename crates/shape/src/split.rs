@@ -1,6 +1,6 @@
 //! A solid taken apart into solids of their own.
 
-use crate::{BitGrid, Frame, ShapeError, VoxelGrid};
+use crate::{BitGrid, ShapeError, VoxelGrid};
 
 /// A part under way: its box, then its voxels and links.
 struct Part {
@@ -78,12 +78,8 @@ impl VoxelGrid {
             }
         }
         let made = parts.iter().zip(bits).enumerate().map(|(label, (part, [inside, x, y, z]))| {
-            let frame = self.frame();
             let corner = if part.len == 0 { [0; 3] } else { part.low };
-            // Half a voxel before the first centre.
-            let (centre, spacing) = (frame.centre(corner), frame.spacing());
-            let origin = std::array::from_fn(|a| centre[a] - 0.5 * spacing[a]);
-            let grid = Self::new(Frame::new(dims(part), origin, spacing)?, inside, [x, y, z])?;
+            let grid = Self::new(self.frame().part(corner, dims(part)), inside, [x, y, z])?;
             match &mut cut {
                 Some(lists) => grid.with_cut_diagonals(std::mem::take(&mut lists[label])),
                 None => Ok(grid),
@@ -96,7 +92,7 @@ impl VoxelGrid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Connectivity, SplitMix64};
+    use crate::{Affine, Connectivity, Frame, SplitMix64};
 
     #[test]
     fn parts_have_the_links_of_the_whole() {
@@ -108,7 +104,10 @@ mod tests {
             inside.set(voxel, random.uniform() < 0.8);
             (0..3).filter(|_| random.uniform() < 0.3).for_each(|a| cuts[a].push(voxel));
         }
-        let frame = Frame::new(dims, [1.0, -2.0, 0.5], [0.5, 1.0, 2.0]).unwrap();
+        // Axes along -y, z and -x.
+        let affine =
+            Affine::new([[0.0, 0.0, -2.0, 1.0], [-0.5, 0.0, 0.0, -2.0], [0.0, 1.0, 0.0, 0.5]]).unwrap();
+        let frame = Frame::placed(dims, &affine).unwrap();
         let mut grid = VoxelGrid::solid(frame, inside).unwrap();
         for axis in 0..3 {
             grid = grid.with_cut_links(axis, &cuts[axis]).0;

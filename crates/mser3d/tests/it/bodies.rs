@@ -69,14 +69,14 @@ fn vase(around: u32, along: u32) -> TriangleMesh {
 
 #[test]
 fn vertices_of_a_body_that_is_left_out_have_no_region() {
-    let alone = detect(Bodies::Largest, Input::Volume(&club(1.0)));
-    assert!(alone.warnings.iter().all(|w| !matches!(w, Warning::SmallerComponents { .. })));
     for apart in [0.5, 30.0] {
         let mesh = two_clubs(apart);
-        let pitch = alone.shape.grid().unwrap().frame().spacing()[0];
+        let features = detect(Bodies::Largest, Input::Volume(&mesh));
+        // The large one alone, on the same grid.
         let mut parameters = with(Bodies::Largest);
-        parameters.voxelize.pitch = Pitch::Size(pitch);
-        let features = Detector::new(parameters).detect(Input::Volume(&mesh)).unwrap();
+        parameters.voxelize.frame = Some(*features.shape.grid().unwrap().frame());
+        let alone = Detector::new(parameters).detect(Input::Volume(&club(1.0))).unwrap();
+        assert!(alone.warnings.iter().all(|w| !matches!(w, Warning::SmallerComponents { .. })));
         assert_eq!(regions(&features), regions(&alone));
         let elements = features.shape.element_of_vertex();
         assert_eq!(&elements[..16], alone.shape.element_of_vertex());
@@ -88,7 +88,7 @@ fn vertices_of_a_body_that_is_left_out_have_no_region() {
         let (components, bodies, domain) = (1, vec![dropped], Domain::Volume);
         let warning = Warning::SmallerComponents { components, elements: dropped, fraction, bodies, domain };
         assert!(features.warnings.contains(&warning), "{:?}", features.warnings);
-        assert!((fraction - 1.0 / 9.0).abs() < 0.01, "an eighth of the large one");
+        assert!((fraction - 1.0 / 9.0).abs() < 0.03, "{fraction}: about an eighth of the large one");
         assert_eq!((voxelization.dropped_components, voxelization.topology.components), (1, 1));
         // What the voxelizer says of a solid of which it dropped the rest itself.
         let mut parameters = features.parameters.voxelize.clone();
