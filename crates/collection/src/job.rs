@@ -2,6 +2,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
+use mser3d_fileio::file_stem;
 use mser3d_meshio::{AnimationInfo, MeshFormat, ReadOptions, list_animations};
 use mser3d_results::{ResultsError, ShapeFile, ShapeOptions, VolumeFile};
 use mser3d_shape::InvalidParameter;
@@ -240,10 +241,12 @@ fn frames_of(file: &Job, frames: &Frames) -> Result<Vec<Job>, CollectionError> {
 /// A name for each path: as few of its last parts as tell it from the others.
 fn names(paths: &[PathBuf]) -> Vec<String> {
     let candidate = |path: &Path, level: usize| {
-        let mut name = plain(&path.file_name().unwrap_or_default().to_string_lossy());
-        if level == 0 {
-            name = stem(&name).to_owned();
-        }
+        let own = if level == 0 {
+            file_stem(path)
+        } else {
+            path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+        };
+        let mut name = plain(&own);
         for folder in path.ancestors().skip(1).filter_map(Path::file_name).take(level.saturating_sub(1)) {
             name = format!("{}-{name}", plain(&folder.to_string_lossy()));
         }
@@ -273,16 +276,6 @@ fn names(paths: &[PathBuf]) -> Vec<String> {
         }
     }
     names
-}
-
-/// A name without its ending, which may be a double one: `a.nii.gz`.
-fn stem(name: &str) -> &str {
-    let name =
-        if name.len() > 3 && name.to_lowercase().ends_with(".gz") { &name[..name.len() - 3] } else { name };
-    match name.rfind('.') {
-        Some(at) if at > 0 => &name[..at],
-        _ => name,
-    }
 }
 
 /// A part of a path as a folder's name: not hidden, without separators.

@@ -12,6 +12,25 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
     std::fs::read(path).map_err(|source| FileError::Read { path: path.to_path_buf(), source })
 }
 
+/// The name of a file without its folder and ending, which may be a double one: `brain` of `brain.nii.gz`.
+///
+/// ```
+/// assert_eq!(mser3d_fileio::file_stem("scans/brain.nii.gz".as_ref()), "brain");
+/// assert_eq!(mser3d_fileio::file_stem("body.off".as_ref()), "body");
+/// assert_eq!(mser3d_fileio::file_stem(".off".as_ref()), ".off");
+/// ```
+pub fn file_stem(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let packed = name.len() > 3
+        && name.is_char_boundary(name.len() - 3)
+        && name[name.len() - 3..].eq_ignore_ascii_case(".gz");
+    let name = if packed { &name[..name.len() - 3] } else { &name[..] };
+    match name.rfind('.') {
+        Some(at) if at > 0 => name[..at].to_owned(),
+        _ => name.to_owned(),
+    }
+}
+
 /// Writes a file so that nobody ever sees half of it: into a temporary file of the same folder,
 /// which takes the name when it is complete. After an error or a crash, what was at `path` before
 /// is still there. (A process that is killed leaves `.NAME.*.partial` behind.)

@@ -35,7 +35,7 @@ mod npy;
 mod npz;
 
 pub use error::FileError;
-pub use file::{Writing, is_writing, read_bytes, write_atomically, write_text};
+pub use file::{Writing, file_stem, is_writing, read_bytes, write_atomically, write_text};
 pub use npy::{NpyArray, NpyValues, read_npy, write_npy};
 pub use npz::{read_npz, write_npz};
 

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use mser3d_fileio::file_stem;
 use mser3d_meshio::{MeshIoError, ReadOptions};
 use mser3d_results::{ResultsError, ShapeFile, ShapeOptions};
 
@@ -10,8 +11,8 @@ use crate::error::CliError;
 /// Which file, and which pose in it.
 #[derive(clap::Args, Clone, Debug)]
 pub struct InputArgs {
-    /// Mesh (.obj .gltf .glb .off .ply .stl), or a volume: a mask, a label map (--label) or grey values (--threshold), as
-    /// .nii, .nii.gz, .nrrd, .tif or .npy, indexed [x, y, z]
+    /// Mesh (.obj .gltf .glb .off .ply .stl .vtk .vtu .msh and others), or a volume: a mask, a label map (--label) or grey
+    /// values (--threshold) as .nii, .nrrd, .mha, .mgz, .tif or .npy, indexed [x, y, z]
     pub input: PathBuf,
     /// glTF animation that poses the figure, by name or number from 0
     #[arg(long, value_name = "NAME", help_heading = "Input")]
@@ -43,9 +44,7 @@ pub fn reading(error: ResultsError) -> CliError {
 
 /// The output that is meant when none is named: after the input, in the current folder.
 pub fn output_beside(input: &Path, ending: &str) -> PathBuf {
-    let name = input.file_name().unwrap_or_default().to_string_lossy();
-    let name = name.strip_suffix(".gz").unwrap_or(&name);
-    let stem = Path::new(name).file_stem().unwrap_or_default().to_string_lossy();
+    let stem = file_stem(input);
     PathBuf::from(format!("{stem}{ending}"))
 }
 

@@ -5,6 +5,7 @@ use mser3d::descriptors::TimeScale;
 use mser3d::spectral::SpectrumReport;
 use mser3d::voxelize::{Diagnosis, GridTopology, InsideTest, Voxelization};
 use mser3d::{Body, Features, Parameters, Region, RunReport};
+use mser3d_fileio::file_stem;
 use mser3d_shape::vector::scale;
 use mser3d_shape::{Affine, Domain, VoxelGrid};
 use serde::{Deserialize, Serialize};
@@ -331,10 +332,16 @@ impl Record {
             && self.parameters.without_limits() == parameters.without_limits()
     }
 
-    /// The input's file name, without folder and ending.
+    /// The input's file name, without folder and ending, and the label that was chosen.
     pub fn name(&self) -> String {
-        let stem = Path::new(&self.input.path).file_stem().map(|s| s.to_string_lossy().into_owned());
-        stem.unwrap_or_else(|| "shape".to_owned())
+        let stem = file_stem(Path::new(&self.input.path));
+        let stem = if stem.is_empty() { "shape".to_owned() } else { stem };
+        let body = self.input.volume.as_ref().and_then(|volume| volume.body.as_ref());
+        match body.map(|body| (body.label, &body.name)) {
+            Some((Some(_), Some(name))) => format!("{stem}, {name}"),
+            Some((Some(label), None)) => format!("{stem}, label {label}"),
+            _ => stem,
+        }
     }
 }
 
