@@ -51,9 +51,9 @@ impl Parameters {
     /// What a run with these parameters will take on an input, from its size alone: a pass over the mesh.
     ///
     /// The formulas were fitted to the CPU time of a single thread, on a processor of 2025 with two cores and
-    /// AVX-512, the machine not idle: a human body, a cow and a fish, 300 to 400,000 voxels, and surfaces of 800 to
-    /// 14,000 vertices, with 10 to 300 eigenpairs. They are within a factor of 2 there, where the solver does not
-    /// have to begin again (on a small solid with more than 200 eigenpairs it may).
+    /// AVX-512, the machine not idle: human bodies, a cow, a fish, plates and boxes of 200 to 400,000 voxels, and
+    /// surfaces of 600 to 214,000 vertices, with 10 to 300 eigenpairs. They are within a factor of 2 there, 3 on the
+    /// worst, where the solver does not have to begin again (on a small solid with more than 200 eigenpairs it may).
     pub fn estimate(&self, input: &Input) -> Estimate {
         let n = input.expected_elements(self);
         let eigenpairs = self.spectrum.eigenpairs.about(input.domain()).min(n.max(1));
@@ -101,9 +101,10 @@ fn orthogonalization(n: f64, k: f64) -> f64 {
     2.4e-9 * n * k.powf(1.7)
 }
 
-/// All eigenpairs by a dense solver, where an iteration's basis would be as large: up to 400 rows, or 2.5 k + 80.
+/// All eigenpairs by a dense solver, small ones in the cache, where an iteration's basis would be as large: up to 400 rows, or 2.5 k + 80.
 fn dense(n: f64, k: f64) -> Option<Work> {
-    (n <= 400.0 || n < 2.5 * k + 80.0).then(|| Work { seconds: 1.5e-9 * n.powi(3), numbers: 3.0 * n * n })
+    (n <= 400.0 || n < 2.5 * k + 80.0)
+        .then(|| Work { seconds: 1.5e-9 * n.powi(3) * (n / 800.0).min(1.0), numbers: 3.0 * n * n })
 }
 
 /// Shift-invert on small grids, the polynomial filter on those with 96 times more voxels than eigenpairs.
@@ -138,7 +139,7 @@ fn surface_spectrum(n: f64, k: f64) -> Work {
 /// Sweeps over the triangles, voxels and box of a closed mesh.
 // The one place for the voxelizer's own estimate: open meshes take longer, by their winding numbers.
 fn voxelize_seconds(mesh: &TriangleMesh, voxels: f64, in_box: f64) -> f64 {
-    0.25e-6 * mesh.triangles().len() as f64 + 0.1e-6 * voxels + 4e-9 * in_box
+    0.25e-6 * mesh.triangles().len() as f64 + 0.1e-6 * voxels + 3e-9 * in_box
 }
 
 /// The nearest voxel of each vertex.
