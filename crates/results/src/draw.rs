@@ -167,8 +167,9 @@ impl Results {
     /// These results as one shape of a page.
     pub fn page_shape(&self, name: &str) -> PageShape<'_> {
         let colours = self.colours();
-        // Trees of several bodies do not share a level.
-        let one = self.record.bodies.len() == 1;
+        // Trees of several bodies do not share a level, and a page shows only what enters its tree.
+        let all_enter = self.trees.iter().all(|tree| !tree.entry.contains(&u32::MAX));
+        let one = self.record.bodies.len() == 1 && all_enter;
         let regions = self.record.regions.iter().enumerate().map(|(id, r)| PageRegion {
             colour: colours[id],
             parent: r.parent,

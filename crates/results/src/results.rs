@@ -1,5 +1,4 @@
-use mser3d::comptree::ComponentTree;
-use mser3d::{Body, Features};
+use mser3d::{Features, Tree};
 use mser3d_shape::{Domain, IndexSet, TriangleMesh, VoxelGrid, innermost_regions};
 use mser3d_viewer::{Rgb, region_colours, voxel_surface};
 
@@ -42,7 +41,7 @@ pub struct TreeArrays {
     pub altitudes: Vec<f64>,
     /// Volume of each node.
     pub volumes: Vec<f64>,
-    /// The node in which each voxel (of a surface: each vertex) enters; `u32::MAX` for those of other bodies.
+    /// The node in which each voxel (of a surface: each vertex) enters; `u32::MAX` for those that are not in its body.
     pub entry: Vec<u32>,
 }
 
@@ -80,7 +79,7 @@ impl Results {
             parents: (0..t.tree.len() as u32).map(|n| t.tree.parent(n).unwrap_or(u32::MAX)).collect(),
             altitudes: t.tree.altitudes().to_vec(),
             volumes: (0..t.tree.len() as u32).map(|n| t.tree.volume(n)).collect(),
-            entry: entry(shape.len(), &features.bodies[t.body], &t.tree),
+            entry: entry(features, t),
         });
         let expected = shape.element_of_vertex().len();
         let found = mesh.map_or(0, |m| m.vertices().len());
@@ -167,11 +166,15 @@ impl Results {
     }
 }
 
-/// The node in which each element of a shape enters the tree of a body.
-fn entry(elements: usize, body: &Body, tree: &ComponentTree) -> Vec<u32> {
-    let mut entry = vec![u32::MAX; elements];
-    body.elements.iter().zip(tree.nodes_of_vertices()).for_each(|(&e, &node)| entry[e as usize] = node);
-    entry
+/// The node in which each voxel of a solid, or each vertex of a surface, enters a tree.
+fn entry(features: &Features, tree: &Tree) -> Vec<u32> {
+    let of_element = features.nodes_of_elements(tree);
+    let none = |node: Option<u32>| node.unwrap_or(u32::MAX);
+    let of_vertex = |element: &Option<u32>| none(element.and_then(|e| of_element[e as usize]));
+    match features.shape.domain() {
+        Domain::Volume => of_element.into_iter().map(none).collect(),
+        Domain::Surface => features.shape.element_of_vertex().iter().map(of_vertex).collect(),
+    }
 }
 
 /// Innermost regions as files have them: -1 for none.
