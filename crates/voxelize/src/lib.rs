@@ -41,6 +41,7 @@ mod cut_links;
 mod dense;
 mod diagnosis;
 mod error;
+mod fitted_spacing;
 mod frame_around;
 mod grid_frame;
 mod grid_topology;

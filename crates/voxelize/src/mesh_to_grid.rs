@@ -71,6 +71,8 @@ pub fn voxelize(mesh: &TriangleMesh, parameters: &VoxelizeParameters) -> Result<
     };
     let topology = GridTopology::of(&grid);
     let overlap_volume = solid.doubled as f64 * frame.voxel_volume();
+    let mesh_volume =
+        (rule != InsideRule::Parity && surface.closed()).then(|| surface.volume() / surface.scale.powi(3));
     let confidence = 1.0 - (solid.ambiguous as f64 / inside as f64).min(1.0);
     let mut voxelization = Voxelization {
         grid,
@@ -81,11 +83,12 @@ pub fn voxelize(mesh: &TriangleMesh, parameters: &VoxelizeParameters) -> Result<
         dropped_components,
         dropped_voxels,
         cut_links,
+        mesh_volume,
         overlap_volume,
         topology,
         warnings: Vec::new(),
     };
-    voxelization.warnings = warnings(&analysis, &surface, &voxelization, inside);
+    voxelization.warnings = warnings(&analysis, &surface, &voxelization, inside, rule, parameters);
     Ok(voxelization)
 }
 
