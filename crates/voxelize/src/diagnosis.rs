@@ -1,4 +1,6 @@
+use crate::cancel::{CheckFn, NEVER, Stop};
 use crate::coarse_estimate::CoarseEstimate;
+use crate::error::VoxelizeError;
 use crate::inside_rule::InsideRule;
 use crate::inside_test::{InsideTest, Reason, choose};
 use crate::mesh_analysis::MeshAnalysis;
@@ -90,7 +92,22 @@ pub struct Diagnosis {
 /// # Ok::<(), mser3d_shape::ShapeError>(())
 /// ```
 pub fn diagnose(mesh: &TriangleMesh) -> Diagnosis {
-    let prepared = prepare(mesh, &VoxelizeParameters::default());
+    examine(mesh, &Stop::new(NEVER))
+}
+
+/// As [`diagnose`], and stops when `check` breaks, as [`voxelize_with`](crate::voxelize_with) does.
+///
+/// # Errors
+/// [`VoxelizeError::Cancelled`].
+pub fn diagnose_with(mesh: &TriangleMesh, check: CheckFn) -> Result<Diagnosis, VoxelizeError> {
+    let stop = Stop::new(check);
+    let diagnosis = examine(mesh, &stop);
+    stop.check()?;
+    Ok(diagnosis)
+}
+
+fn examine(mesh: &TriangleMesh, stop: &Stop) -> Diagnosis {
+    let prepared = prepare(mesh, &VoxelizeParameters::default(), stop);
     let refused = prepared.as_ref().err().map(ToString::to_string);
     let (analysis, surface) = match prepared {
         Ok(Prepared { analysis, surface, inside_test: InsideTest::Winding, .. }) => (analysis, surface),
@@ -117,7 +134,9 @@ pub fn diagnose(mesh: &TriangleMesh) -> Diagnosis {
     let coarse = if refused.is_some() && surface.tangled() {
         None
     } else {
-        CoarseEstimate::of(&surface, InsideRule::Total { join: true }, InsideTest::Winding).ok().flatten()
+        CoarseEstimate::of(&surface, InsideRule::Total { join: true }, InsideTest::Winding, stop)
+            .ok()
+            .flatten()
     };
     let bodies = |test: fn(&Shell) -> bool| surface.shells.iter().filter(|b| test(b)).count();
     let file = &analysis.file;

@@ -1,5 +1,6 @@
 //! The grid that the parameters ask for, and the error where none of its voxels is inside.
 
+use crate::cancel::Stop;
 use crate::coarse_estimate::{CoarseEstimate, Soup, is_crowded};
 use crate::error::VoxelizeError;
 use crate::fitted_spacing::fitted_spacing;
@@ -19,8 +20,13 @@ pub(crate) fn frame(
     rule: InsideRule,
     inside_test: InsideTest,
     parameters: &VoxelizeParameters,
+    stop: &Stop,
 ) -> Result<Frame, VoxelizeError> {
-    let coarse = || CoarseEstimate::of(surface, rule, inside_test).map_err(|Soup| soup(mesh, analysis));
+    let coarse = || {
+        let found = CoarseEstimate::of(surface, rule, inside_test, stop);
+        stop.check()?;
+        found.map_err(|Soup| soup(mesh, analysis))
+    };
     // A soup is refused before it takes hours.
     if is_crowded(surface) {
         return Err(soup(mesh, analysis));

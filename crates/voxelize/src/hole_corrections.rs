@@ -1,6 +1,7 @@
 //! The winding number of open shells: an integer that columns give, less that of the caps.
 
 use crate::bvh::WindingTree;
+use crate::cancel::Stop;
 use crate::centre_lattice::CentreLattice;
 use crate::surface::Surface;
 use mser3d_shape::BoundingBox;
@@ -45,7 +46,7 @@ struct Part {
 
 impl HoleCorrections {
     /// `None` when every shell is closed.
-    pub fn new(surface: &Surface, lattice: &CentreLattice) -> Option<Self> {
+    pub fn new(surface: &Surface, lattice: &CentreLattice, stop: &Stop) -> Option<Self> {
         let parts = parts(surface);
         if parts.is_empty() {
             return None;
@@ -58,10 +59,10 @@ impl HoleCorrections {
             !parts.iter().all(|part| part.tree.is_below(bound, &target))
         };
         let marked: Vec<usize> =
-            (0..blocks.iter().product()).into_par_iter().filter(|&i| matters(i)).collect();
+            (0..blocks.iter().product()).into_par_iter().filter(|&i| !stop.now() && matters(i)).collect();
         let mut values = vec![0; marked.len() * parts.len() * VOLUME];
         values.par_chunks_mut(parts.len() * VOLUME).zip(&marked).for_each(|(values, &i)| {
-            for (values, part) in values.chunks_mut(VOLUME).zip(&parts) {
+            for (values, part) in values.chunks_mut(VOLUME).zip(&parts).filter(|_| !stop.now()) {
                 part.evaluate(lattice, block(i), values);
             }
         });

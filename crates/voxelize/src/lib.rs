@@ -34,6 +34,7 @@ mod axis_parity;
 mod axis_sweep;
 mod boundary_loops;
 mod bvh;
+mod cancel;
 mod centre_lattice;
 mod coarse_estimate;
 mod cut_diagonals;
@@ -64,14 +65,15 @@ mod voxelization;
 mod warning;
 
 pub use bvh::{Bvh, Hit, NearestPoint, WindingTree};
+pub use cancel::CheckFn;
 pub use dense::dense_mask;
 #[cfg(feature = "ndarray")]
 pub use dense::mask_array;
-pub use diagnosis::{Diagnosis, diagnose};
+pub use diagnosis::{Diagnosis, diagnose, diagnose_with};
 pub use error::VoxelizeError;
 pub use grid_topology::GridTopology;
 pub use inside_test::{InsideTest, Reason};
-pub use mesh_to_grid::{inside, voxelize};
+pub use mesh_to_grid::{inside, voxelize, voxelize_with};
 pub use morphology::Morphology;
 pub use parameters::{Overlap, Pitch, VoxelizeParameters};
 pub use voxelization::Voxelization;
