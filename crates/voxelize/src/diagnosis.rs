@@ -1,6 +1,7 @@
 use crate::cancel::{CheckFn, NEVER, Stop};
 use crate::coarse_estimate::CoarseEstimate;
 use crate::error::VoxelizeError;
+use crate::estimate::{Cost, cost};
 use crate::inside_rule::InsideRule;
 use crate::inside_test::{InsideTest, Reason, choose};
 use crate::mesh_analysis::MeshAnalysis;
@@ -78,6 +79,8 @@ pub struct Diagnosis {
     /// Why [`voxelize`](crate::voxelize) refuses the mesh with the default parameters: the message of its
     /// error. `None` if it makes a solid.
     pub refused: Option<String>,
+    /// What [`voxelize`](crate::voxelize) takes with the default parameters; `None` if it refuses.
+    pub cost: Option<Cost>,
 }
 
 /// Examines a mesh: O(n) time for n triangles, and a coarse voxelization for the overlap.
@@ -109,6 +112,7 @@ pub fn diagnose_with(mesh: &TriangleMesh, check: CheckFn) -> Result<Diagnosis, V
 fn examine(mesh: &TriangleMesh, stop: &Stop) -> Diagnosis {
     let prepared = prepare(mesh, &VoxelizeParameters::default(), stop);
     let refused = prepared.as_ref().err().map(ToString::to_string);
+    let cost = prepared.as_ref().ok().map(|prepared| cost(prepared, &VoxelizeParameters::default()));
     let (analysis, surface) = match prepared {
         Ok(Prepared { analysis, surface, inside_test: InsideTest::Winding, .. }) => (analysis, surface),
         _ => {
@@ -175,6 +179,7 @@ fn examine(mesh: &TriangleMesh, stop: &Stop) -> Diagnosis {
         inside: inside_test,
         reason,
         refused,
+        cost,
     }
 }
 

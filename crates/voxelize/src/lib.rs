@@ -3,6 +3,7 @@
 //! * [`diagnose`] says what a mesh is like: closed, oriented, overlapping, and what that means;
 //! * [`voxelize`] turns it into a [`VoxelGrid`](mser3d_shape::VoxelGrid): the voxels whose centre is
 //!   inside, and links between neighbours, except where the surface runs between them;
+//! * [`estimate`] foretells what that takes, and [`voxelize_with`] can be stopped half-way;
 //! * [`inside`] gives the voxels alone, as bits, and [`dense_mask`] makes an array of them;
 //! * [`Bvh`] and [`WindingTree`] answer rays, nearest points and winding numbers on their own.
 //!
@@ -42,6 +43,7 @@ mod cut_links;
 mod dense;
 mod diagnosis;
 mod error;
+mod estimate;
 mod fitted_spacing;
 mod frame_around;
 mod grid_frame;
@@ -71,6 +73,7 @@ pub use dense::dense_mask;
 pub use dense::mask_array;
 pub use diagnosis::{Diagnosis, diagnose, diagnose_with};
 pub use error::VoxelizeError;
+pub use estimate::{Cost, estimate};
 pub use grid_topology::GridTopology;
 pub use inside_test::{InsideTest, Reason};
 pub use mesh_to_grid::{inside, voxelize, voxelize_with};
