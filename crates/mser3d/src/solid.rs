@@ -1,11 +1,11 @@
 //! From a mesh to the solid that is searched, and back to the mesh's vertices.
 
 use mser3d_shape::{BoundingBox, Domain, NearestVoxels, TriangleMesh, VoxelGrid};
-use mser3d_voxelize::{Voxelization, VoxelizeParameters, voxelize};
+use mser3d_voxelize::{Voxelization, VoxelizeError, VoxelizeParameters, voxelize_with};
 use rayon::prelude::*;
 
 use crate::bodies::{Bodies, Parts};
-use crate::progress::{ProgressFn, Stage, report};
+use crate::progress::{Progress, ProgressFn, Stage, report};
 use crate::shells::shells;
 use crate::{DiscreteShape, Error, Warning};
 
@@ -38,7 +38,12 @@ impl SolidOfMesh {
         progress: ProgressFn,
     ) -> Result<Self, Error> {
         let connectivity = parameters.connectivity;
-        let whole = voxelize(mesh, &VoxelizeParameters { largest_only: false, ..parameters.clone() })?;
+        let goes_on = || progress(Progress { stage: Stage::Voxelize, done: 0, total: 1 });
+        let everything = VoxelizeParameters { largest_only: false, ..parameters.clone() };
+        let whole = voxelize_with(mesh, &everything, &goes_on).map_err(|error| match error {
+            VoxelizeError::Cancelled => Error::Cancelled,
+            error => error.into(),
+        })?;
         report(progress, Stage::Voxelize, 0, 1)?;
         let parts = Parts::of_grid(&whole.grid, connectivity, bodies.unwrap_or_default())?;
         let parts = if bodies.is_none() { parts.with_all() } else { parts };

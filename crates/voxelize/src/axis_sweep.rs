@@ -1,5 +1,6 @@
 //! All crossings of a surface with the grid lines along one axis, line by line.
 
+use crate::cancel::Stop;
 use crate::centre_lattice::{CentreLattice, PlacedVertex};
 use crate::scan_conversion::{Axes, ScanConverter};
 use rayon::prelude::*;
@@ -49,6 +50,7 @@ pub(crate) struct AxisSweep<'a> {
     slab_rows: usize,
     /// For each chunk of the mesh and each slab: line within the slab, and crossing.
     lists: Vec<Vec<Vec<(u32, Crossing)>>>,
+    stop: &'a Stop<'a>,
 }
 
 /// The crossings of a slab in the order of their lines; reused from slab to slab.
@@ -71,6 +73,7 @@ impl<'a> AxisSweep<'a> {
         placed: &'a [PlacedVertex],
         triangles: &'a [[u32; 3]],
         axis: usize,
+        stop: &'a Stop<'a>,
     ) -> Self {
         let axes = Axes::along(axis);
         let converter = ScanConverter { lattice, vertices, placed, axes };
@@ -85,6 +88,9 @@ impl<'a> AxisSweep<'a> {
             .enumerate()
             .map(|(chunk, triangles)| {
                 let mut lists = vec![Vec::new(); slabs];
+                if stop.now() {
+                    return lists;
+                }
                 for (number, &triangle) in triangles.iter().enumerate() {
                     let number = (chunk * CHUNK + number) as u32;
                     converter.scan(triangle, |p| {
@@ -96,7 +102,7 @@ impl<'a> AxisSweep<'a> {
                 lists
             })
             .collect();
-        Self { converter, triangles, slab_rows, lists }
+        Self { converter, triangles, slab_rows, lists, stop }
     }
 
     pub fn axes(&self) -> Axes {
@@ -133,6 +139,9 @@ impl<'a> AxisSweep<'a> {
         all: bool,
         mut visit: impl FnMut(usize, usize, &[Crossing]),
     ) {
+        if self.stop.now() {
+            return;
+        }
         let rows = self.slab_rows(slab);
         let width = self.converter.lattice.dims[self.axes().u];
         lines.sort(rows.len() * width, &self.lists, slab);

@@ -1,5 +1,6 @@
 //! What a coarse grid says about a surface, before a fine one is made.
 
+use crate::cancel::Stop;
 use crate::frame_around::{around, resolution_pitch};
 use crate::inside_rule::InsideRule;
 use crate::inside_test::InsideTest;
@@ -31,7 +32,12 @@ pub(crate) struct Soup;
 
 impl CoarseEstimate {
     /// `None` if nothing is enclosed.
-    pub fn of(surface: &Surface, rule: InsideRule, inside_test: InsideTest) -> Result<Option<Self>, Soup> {
+    pub fn of(
+        surface: &Surface,
+        rule: InsideRule,
+        inside_test: InsideTest,
+        stop: &Stop,
+    ) -> Result<Option<Self>, Soup> {
         let pitch = resolution_pitch(surface, RESOLUTION);
         let Some(frame) = pitch.and_then(|pitch| around(surface, pitch).ok()) else {
             return Ok(None);
@@ -40,7 +46,7 @@ impl CoarseEstimate {
         if is_crowded(surface) {
             return Err(Soup);
         }
-        let solid = sweep(surface, &frame, rule, inside_test);
+        let solid = sweep(surface, &frame, rule, inside_test, stop);
         let Ok(Solid { occupancy, doubled, ambiguous, .. }) = solid else { return Ok(None) };
         let inside = occupancy.count_ones() as f64;
         if inside == 0.0 {

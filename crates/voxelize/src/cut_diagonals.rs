@@ -18,7 +18,8 @@ impl PlacedSurface<'_> {
         let voxels: Vec<[u32; 3]> = grid.voxels().collect();
         let voxels = &voxels;
         let around = |u: usize| {
-            DIAGONALS.iter().filter_map(move |step| {
+            let steps = if u.is_multiple_of(256) && self.stop.now() { &[][..] } else { &DIAGONALS[..] };
+            steps.iter().filter_map(move |step| {
                 let other: [u32; 3] = std::array::from_fn(|a| voxels[u][a].wrapping_add_signed(step[a]));
                 let v = grid.index(other)?;
                 self.parted(bvh, voxels[u], other).then_some([u as u32, v])

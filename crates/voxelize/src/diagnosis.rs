@@ -1,4 +1,7 @@
+use crate::cancel::{CheckFn, NEVER, Stop};
 use crate::coarse_estimate::CoarseEstimate;
+use crate::error::VoxelizeError;
+use crate::estimate::{Cost, cost};
 use crate::inside_rule::InsideRule;
 use crate::inside_test::{InsideTest, Reason, choose};
 use crate::mesh_analysis::MeshAnalysis;
@@ -76,6 +79,8 @@ pub struct Diagnosis {
     /// Why [`voxelize`](crate::voxelize) refuses the mesh with the default parameters: the message of its
     /// error. `None` if it makes a solid.
     pub refused: Option<String>,
+    /// What [`voxelize`](crate::voxelize) takes with the default parameters; `None` if it refuses.
+    pub cost: Option<Cost>,
 }
 
 /// Examines a mesh: O(n) time for n triangles, and a coarse voxelization for the overlap.
@@ -90,8 +95,24 @@ pub struct Diagnosis {
 /// # Ok::<(), mser3d_shape::ShapeError>(())
 /// ```
 pub fn diagnose(mesh: &TriangleMesh) -> Diagnosis {
-    let prepared = prepare(mesh, &VoxelizeParameters::default());
+    examine(mesh, &Stop::new(NEVER))
+}
+
+/// As [`diagnose`], and stops when `check` breaks, as [`voxelize_with`](crate::voxelize_with) does.
+///
+/// # Errors
+/// [`VoxelizeError::Cancelled`].
+pub fn diagnose_with(mesh: &TriangleMesh, check: CheckFn) -> Result<Diagnosis, VoxelizeError> {
+    let stop = Stop::new(check);
+    let diagnosis = examine(mesh, &stop);
+    stop.check()?;
+    Ok(diagnosis)
+}
+
+fn examine(mesh: &TriangleMesh, stop: &Stop) -> Diagnosis {
+    let prepared = prepare(mesh, &VoxelizeParameters::default(), stop);
     let refused = prepared.as_ref().err().map(ToString::to_string);
+    let cost = prepared.as_ref().ok().map(|prepared| cost(prepared, &VoxelizeParameters::default()));
     let (analysis, surface) = match prepared {
         Ok(Prepared { analysis, surface, inside_test: InsideTest::Winding, .. }) => (analysis, surface),
         _ => {
@@ -117,7 +138,9 @@ pub fn diagnose(mesh: &TriangleMesh) -> Diagnosis {
     let coarse = if refused.is_some() && surface.tangled() {
         None
     } else {
-        CoarseEstimate::of(&surface, InsideRule::Total { join: true }, InsideTest::Winding).ok().flatten()
+        CoarseEstimate::of(&surface, InsideRule::Total { join: true }, InsideTest::Winding, stop)
+            .ok()
+            .flatten()
     };
     let bodies = |test: fn(&Shell) -> bool| surface.shells.iter().filter(|b| test(b)).count();
     let file = &analysis.file;
@@ -156,6 +179,7 @@ pub fn diagnose(mesh: &TriangleMesh) -> Diagnosis {
         inside: inside_test,
         reason,
         refused,
+        cost,
     }
 }
 

@@ -1,7 +1,9 @@
 //! The grid that the parameters ask for, and the error where none of its voxels is inside.
 
+use crate::cancel::Stop;
 use crate::coarse_estimate::{CoarseEstimate, Soup, is_crowded};
 use crate::error::VoxelizeError;
+use crate::fitted_spacing::fitted_spacing;
 use crate::frame_around::{around_within, checked, resolution_pitch};
 use crate::inside_rule::InsideRule;
 use crate::inside_test::InsideTest;
@@ -18,8 +20,13 @@ pub(crate) fn frame(
     rule: InsideRule,
     inside_test: InsideTest,
     parameters: &VoxelizeParameters,
+    stop: &Stop,
 ) -> Result<Frame, VoxelizeError> {
-    let coarse = || CoarseEstimate::of(surface, rule, inside_test).map_err(|Soup| soup(mesh, analysis));
+    let coarse = || {
+        let found = CoarseEstimate::of(surface, rule, inside_test, stop);
+        stop.check()?;
+        found.map_err(|Soup| soup(mesh, analysis))
+    };
     // A soup is refused before it takes hours.
     if is_crowded(surface) {
         return Err(soup(mesh, analysis));
@@ -32,17 +39,27 @@ pub(crate) fn frame(
         triangles: mesh.triangles().len(),
         boundary_edges: analysis.counts.boundary,
     };
+    // Not where the user said where the grid lies.
+    let cubes_or_fitted = |pitch: f64, keep_count: bool| {
+        let fitted = if parameters.origin.is_some() || rule == InsideRule::Parity {
+            None
+        } else {
+            fitted_spacing(surface, pitch, keep_count)
+        };
+        fitted.unwrap_or([pitch; 3])
+    };
     let spacing = match parameters.pitch {
         Pitch::Spacing(spacing) => spacing,
         Pitch::Size(pitch) => [pitch; 3],
-        Pitch::Resolution(n) => [resolution_pitch(surface, n).ok_or_else(no_volume)?; 3],
+        Pitch::Resolution(n) => cubes_or_fitted(resolution_pitch(surface, n).ok_or_else(no_volume)?, false),
         Pitch::Voxels(n) => {
             let estimate = || match &scattered {
                 Some(coarse) => Ok(coarse.as_ref().map(|coarse| coarse.volume)),
                 None if rule == InsideRule::Parity => Ok(coarse()?.map(|coarse| coarse.volume)),
                 None => Ok(Some(surface.volume())),
             };
-            [counted_pitch(n, mesh, surface, analysis, estimate)?.ok_or_else(no_volume)?; 3]
+            let pitch = counted_pitch(n, mesh, surface, analysis, estimate)?;
+            cubes_or_fitted(pitch.ok_or_else(no_volume)?, true)
         }
     };
     let limit = parameters.max_box_voxels;

@@ -1,6 +1,7 @@
 //! The winding number of open shells: an integer that columns give, less that of the caps.
 
 use crate::bvh::WindingTree;
+use crate::cancel::Stop;
 use crate::centre_lattice::CentreLattice;
 use crate::surface::Surface;
 use mser3d_shape::BoundingBox;
@@ -31,6 +32,8 @@ pub(crate) const BLOCK: usize = 4;
 const VOLUME: usize = BLOCK * BLOCK * BLOCK;
 /// More winding numbers of a block than this close to a half are no boundary that passes through.
 const PLATEAU: usize = VOLUME / 4;
+/// Blocks that are looked at to foretell the work.
+const SAMPLE: usize = 3000;
 const UNMARKED: u32 = u32::MAX;
 /// Far finer than the error of the evaluation. Values reach +-8; beyond that they only need to be large.
 const STEP: f64 = 1.0 / 4096.0;
@@ -45,7 +48,7 @@ struct Part {
 
 impl HoleCorrections {
     /// `None` when every shell is closed.
-    pub fn new(surface: &Surface, lattice: &CentreLattice) -> Option<Self> {
+    pub fn new(surface: &Surface, lattice: &CentreLattice, stop: &Stop) -> Option<Self> {
         let parts = parts(surface);
         if parts.is_empty() {
             return None;
@@ -58,10 +61,10 @@ impl HoleCorrections {
             !parts.iter().all(|part| part.tree.is_below(bound, &target))
         };
         let marked: Vec<usize> =
-            (0..blocks.iter().product()).into_par_iter().filter(|&i| matters(i)).collect();
+            (0..blocks.iter().product()).into_par_iter().filter(|&i| !stop.now() && matters(i)).collect();
         let mut values = vec![0; marked.len() * parts.len() * VOLUME];
         values.par_chunks_mut(parts.len() * VOLUME).zip(&marked).for_each(|(values, &i)| {
-            for (values, part) in values.chunks_mut(VOLUME).zip(&parts) {
+            for (values, part) in values.chunks_mut(VOLUME).zip(&parts).filter(|_| !stop.now()) {
                 part.evaluate(lattice, block(i), values);
             }
         });
@@ -110,6 +113,31 @@ impl Part {
             *value = (self.sign * winding / STEP).ceil() as i16;
         }
     }
+}
+
+/// About how many solid angles the winding numbers of a whole grid take, counted for some of its blocks.
+pub(crate) fn winding_work(surface: &Surface, lattice: &CentreLattice) -> f64 {
+    let parts = parts(surface);
+    let blocks = lattice.dims.map(|n| n.div_ceil(BLOCK));
+    let count: usize = blocks.iter().product();
+    if parts.is_empty() || count == 0 {
+        return 0.0;
+    }
+    // Steps that share no factor with the blocks in a row, so that the sample is spread over the box.
+    let step = (count / SAMPLE).max(1) | 1;
+    let sample: Vec<usize> = (0..count).step_by(step).collect();
+    let work = |&i: &usize| {
+        let block = [i % blocks[0], i / blocks[0] % blocks[1], i / blocks[0] / blocks[1]];
+        let target = bounds(lattice, block);
+        let bound = (0.5 - UNCLEAR) / parts.len() as f64;
+        if parts.iter().all(|part| part.tree.is_below(bound, &target)) {
+            return 0.0;
+        }
+        parts.iter().map(|part| part.tree.work(&target)).sum::<f64>() * VOLUME as f64
+    };
+    // To find out whether a block matters costs something too.
+    let each = sample.iter().map(work).sum::<f64>() / sample.len() as f64;
+    (each + 5.0 * parts.len() as f64) * count as f64
 }
 
 /// The box around the centres of a block's voxels.

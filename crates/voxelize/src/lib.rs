@@ -3,6 +3,7 @@
 //! * [`diagnose`] says what a mesh is like: closed, oriented, overlapping, and what that means;
 //! * [`voxelize`] turns it into a [`VoxelGrid`](mser3d_shape::VoxelGrid): the voxels whose centre is
 //!   inside, and links between neighbours, except where the surface runs between them;
+//! * [`estimate`] foretells what that takes, and [`voxelize_with`] can be stopped half-way;
 //! * [`inside`] gives the voxels alone, as bits, and [`dense_mask`] makes an array of them;
 //! * [`Bvh`] and [`WindingTree`] answer rays, nearest points and winding numbers on their own.
 //!
@@ -34,6 +35,7 @@ mod axis_parity;
 mod axis_sweep;
 mod boundary_loops;
 mod bvh;
+mod cancel;
 mod centre_lattice;
 mod coarse_estimate;
 mod cut_diagonals;
@@ -41,6 +43,8 @@ mod cut_links;
 mod dense;
 mod diagnosis;
 mod error;
+mod estimate;
+mod fitted_spacing;
 mod frame_around;
 mod grid_frame;
 mod grid_topology;
@@ -63,14 +67,16 @@ mod voxelization;
 mod warning;
 
 pub use bvh::{Bvh, Hit, NearestPoint, WindingTree};
+pub use cancel::CheckFn;
 pub use dense::dense_mask;
 #[cfg(feature = "ndarray")]
 pub use dense::mask_array;
-pub use diagnosis::{Diagnosis, diagnose};
+pub use diagnosis::{Diagnosis, diagnose, diagnose_with};
 pub use error::VoxelizeError;
+pub use estimate::{Cost, estimate};
 pub use grid_topology::GridTopology;
 pub use inside_test::{InsideTest, Reason};
-pub use mesh_to_grid::{inside, voxelize};
+pub use mesh_to_grid::{inside, voxelize, voxelize_with};
 pub use morphology::Morphology;
 pub use parameters::{Overlap, Pitch, VoxelizeParameters};
 pub use voxelization::Voxelization;

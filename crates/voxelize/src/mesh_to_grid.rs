@@ -1,6 +1,7 @@
 //! From a mesh to a solid of linked voxels: all stages in a row.
 
 use crate::axis_sweep::MAX_TRIANGLES;
+use crate::cancel::{CheckFn, NEVER, Stop};
 use crate::centre_lattice::CentreLattice;
 use crate::error::VoxelizeError;
 use crate::grid_frame;
@@ -41,9 +42,35 @@ use mser3d_shape::{BitGrid, Connectivity, Frame, TriangleMesh, VoxelGrid};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn voxelize(mesh: &TriangleMesh, parameters: &VoxelizeParameters) -> Result<Voxelization, VoxelizeError> {
-    let Prepared { analysis, surface, frame, rule, inside_test, reason } = prepare(mesh, parameters)?;
+    voxelize_with(mesh, parameters, NEVER)
+}
+
+/// As [`voxelize`], and stops when `check` breaks. It is asked often in all that takes long: sweeps, winding
+/// numbers, links. Only the look at the triangles themselves is not interrupted, a second for some millions.
+///
+/// # Errors
+/// As [`voxelize`], and [`VoxelizeError::Cancelled`].
+///
+/// ```
+/// # use mser3d_shape::TriangleMesh;
+/// use mser3d_voxelize::{VoxelizeError, VoxelizeParameters, voxelize_with};
+/// use std::ops::ControlFlow;
+///
+/// let corners = vec![[0., 0., 0.], [4., 0., 0.], [0., 4., 0.], [0., 0., 4.]];
+/// let mesh = TriangleMesh::new(corners, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])?;
+/// let stopped = voxelize_with(&mesh, &VoxelizeParameters::default(), &|| ControlFlow::Break(()));
+/// assert_eq!(stopped, Err(VoxelizeError::Cancelled));
+/// # Ok::<(), mser3d_shape::ShapeError>(())
+/// ```
+pub fn voxelize_with(
+    mesh: &TriangleMesh,
+    parameters: &VoxelizeParameters,
+    check: CheckFn,
+) -> Result<Voxelization, VoxelizeError> {
+    let stop = &Stop::new(check);
+    let Prepared { analysis, surface, frame, rule, inside_test, reason } = prepare(mesh, parameters, stop)?;
     let lattice = CentreLattice::new(&frame, surface.scale, surface.reach);
-    let placed = PlacedSurface::new(&surface, &lattice, rule, parameters.cut_links);
+    let placed = PlacedSurface::new(&surface, &lattice, rule, parameters.cut_links, stop);
     let mut solid = solve(&placed, inside_test)?;
     if let Some(morphology) = parameters.morphology {
         crate::morphology::apply(&mut solid.occupancy, morphology);
@@ -61,6 +88,7 @@ pub fn voxelize(mesh: &TriangleMesh, parameters: &VoxelizeParameters) -> Result<
         }
         if parameters.connectivity == Connectivity::TwentySix {
             let cut = placed.cut_diagonals(&grid);
+            stop.check()?;
             grid = grid.with_cut_diagonals(cut)?;
         }
     }
@@ -71,6 +99,8 @@ pub fn voxelize(mesh: &TriangleMesh, parameters: &VoxelizeParameters) -> Result<
     };
     let topology = GridTopology::of(&grid);
     let overlap_volume = solid.doubled as f64 * frame.voxel_volume();
+    let mesh_volume =
+        (rule != InsideRule::Parity && surface.closed()).then(|| surface.volume() / surface.scale.powi(3));
     let confidence = 1.0 - (solid.ambiguous as f64 / inside as f64).min(1.0);
     let mut voxelization = Voxelization {
         grid,
@@ -81,12 +111,13 @@ pub fn voxelize(mesh: &TriangleMesh, parameters: &VoxelizeParameters) -> Result<
         dropped_components,
         dropped_voxels,
         cut_links,
+        mesh_volume,
         overlap_volume,
         topology,
         warnings: Vec::new(),
         mesh_euler: analysis.euler_characteristic().filter(|_| surface.shells.len() == 1),
     };
-    voxelization.warnings = warnings(&analysis, &surface, &voxelization, inside);
+    voxelization.warnings = warnings(&analysis, &surface, &voxelization, inside, rule, parameters);
     Ok(voxelization)
 }
 
@@ -101,8 +132,9 @@ pub fn inside(
     mesh: &TriangleMesh,
     parameters: &VoxelizeParameters,
 ) -> Result<(Frame, BitGrid), VoxelizeError> {
-    let Prepared { surface, frame, rule, inside_test, .. } = prepare(mesh, parameters)?;
-    let Solid { mut occupancy, doubled, .. } = sweep(&surface, &frame, rule, inside_test)?;
+    let stop = &Stop::new(NEVER);
+    let Prepared { surface, frame, rule, inside_test, .. } = prepare(mesh, parameters, stop)?;
+    let Solid { mut occupancy, doubled, .. } = sweep(&surface, &frame, rule, inside_test, stop)?;
     if let Some(morphology) = parameters.morphology {
         crate::morphology::apply(&mut occupancy, morphology);
     }
@@ -125,6 +157,7 @@ pub(crate) struct Prepared<'m> {
 pub(crate) fn prepare<'m>(
     mesh: &'m TriangleMesh,
     parameters: &VoxelizeParameters,
+    stop: &Stop,
 ) -> Result<Prepared<'m>, VoxelizeError> {
     parameters.validate()?;
     let triangles = mesh.triangles().len();
@@ -140,10 +173,12 @@ pub(crate) fn prepare<'m>(
     let analysis =
         if counts_crossings && sized { MeshAnalysis::unexamined(mesh) } else { MeshAnalysis::new(mesh) };
     let (inside_test, reason) = choose(parameters.inside, &analysis);
+    stop.check()?;
     let surface = match inside_test {
         InsideTest::Parity | InsideTest::Vote => Surface::plain(mesh, analysis.triangles.clone()),
         InsideTest::Winding | InsideTest::Auto => Surface::oriented(mesh, &analysis),
     };
+    stop.check()?;
     let rule = match (inside_test, parameters.overlap) {
         (InsideTest::Parity | InsideTest::Vote, _) => InsideRule::Parity,
         (_, Overlap::Part) => InsideRule::Total { join: false },
@@ -151,7 +186,7 @@ pub(crate) fn prepare<'m>(
         (_, Overlap::Auto) if surface.shells.len() == 1 => InsideRule::Total { join: false },
         (_, Overlap::Auto) => InsideRule::Shells,
     };
-    let frame = grid_frame::frame(mesh, &surface, &analysis, rule, inside_test, parameters)?;
+    let frame = grid_frame::frame(mesh, &surface, &analysis, rule, inside_test, parameters, stop)?;
     Ok(Prepared { analysis, surface, frame, rule, inside_test, reason })
 }
 

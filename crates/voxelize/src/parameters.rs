@@ -4,6 +4,11 @@ use crate::morphology::Morphology;
 use mser3d_shape::{Connectivity, Frame, InvalidParameter};
 
 /// The size of a voxel.
+///
+/// Voxels are cubes, with two exceptions: [`Pitch::Spacing`], and bodies with flat sides along the axes whose
+/// volume would be more than 3 % wrong, such as thin plates. For these [`Pitch::Voxels`] and
+/// [`Pitch::Resolution`] stretch the voxels so that the sides fall between them, at the cost of a count up to
+/// a third off, and [`Warning::Fitted`](crate::Warning::Fitted) says so.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

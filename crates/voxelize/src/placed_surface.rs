@@ -1,6 +1,7 @@
 //! A surface on the lattice of voxel centres: the rules for its crossings with grid lines.
 
 use crate::axis_sweep::{AxisSweep, Crossing};
+use crate::cancel::Stop;
 use crate::centre_lattice::{CentreLattice, PlacedVertex};
 use crate::hole_corrections::HoleCorrections;
 use crate::inside_rule::InsideRule;
@@ -14,6 +15,7 @@ pub(crate) struct PlacedSurface<'a> {
     pub holes: Option<HoleCorrections>,
     placed: Vec<PlacedVertex>,
     pub cut_links: bool,
+    pub stop: &'a Stop<'a>,
 }
 
 impl<'a> PlacedSurface<'a> {
@@ -22,15 +24,17 @@ impl<'a> PlacedSurface<'a> {
         lattice: &'a CentreLattice,
         rule: InsideRule,
         cut_links: bool,
+        stop: &'a Stop<'a>,
     ) -> Self {
-        let holes = HoleCorrections::new(surface, lattice);
+        let holes = HoleCorrections::new(surface, lattice, stop);
         let placed = lattice.place(&surface.vertices);
-        Self { lattice, surface, rule, holes, placed, cut_links }
+        Self { lattice, surface, rule, holes, placed, cut_links, stop }
     }
 
     /// All crossings with the grid lines along an axis.
     pub fn sweep(&self, axis: usize) -> AxisSweep<'_> {
-        AxisSweep::new(self.lattice, &self.surface.vertices, &self.placed, &self.surface.triangles, axis)
+        let (vertices, triangles) = (&self.surface.vertices, &self.surface.triangles);
+        AxisSweep::new(self.lattice, vertices, &self.placed, triangles, axis, self.stop)
     }
 
     /// Whether a crossing changes the integer winding number.

@@ -2,6 +2,7 @@
 
 use crate::axis_parity::majority;
 use crate::axis_sweep::{AxisSweep, SlabLines};
+use crate::cancel::Stop;
 use crate::centre_lattice::CentreLattice;
 use crate::error::VoxelizeError;
 use crate::hole_corrections::BLOCK;
@@ -30,9 +31,10 @@ pub(crate) fn sweep(
     frame: &Frame,
     rule: InsideRule,
     inside_test: InsideTest,
+    stop: &Stop,
 ) -> Result<Solid, VoxelizeError> {
     let lattice = CentreLattice::new(frame, surface.scale, surface.reach);
-    solve(&PlacedSurface::new(surface, &lattice, rule, false), inside_test)
+    solve(&PlacedSurface::new(surface, &lattice, rule, false, stop), inside_test)
 }
 
 /// The same of a surface that is on its lattice already, with its cut links if it is to have any.
@@ -42,6 +44,7 @@ pub(crate) fn solve(placed: &PlacedSurface, inside_test: InsideTest) -> Result<S
         let (y, z) = (placed.parity_along(1)?, placed.parity_along(2)?);
         (solid.occupancy, solid.ambiguous) = majority(&solid.occupancy, &y, &z);
     }
+    placed.stop.check()?;
     Ok(solid)
 }
 

@@ -1,8 +1,11 @@
 //! A solid on a grid, and what its user should know about it.
 
+use crate::fitted_spacing::NOTABLE_ERROR;
 use crate::grid_topology::{GridTopology, thin_voxels};
+use crate::inside_rule::InsideRule;
 use crate::inside_test::{InsideTest, Reason};
 use crate::mesh_analysis::MeshAnalysis;
+use crate::parameters::{Pitch, VoxelizeParameters};
 use crate::surface::Surface;
 use crate::warning::Warning;
 use mser3d_shape::VoxelGrid;
@@ -29,6 +32,9 @@ pub struct Voxelization {
     pub dropped_voxels: usize,
     /// Links between face neighbours inside that the surface cuts, before components were dropped.
     pub cut_links: usize,
+    /// Volume of the mesh, in length^3: what its surface covers, parts that it covers twice counted twice. `None`
+    /// where it has no volume of its own: with holes, or where crossings are counted.
+    pub mesh_volume: Option<f64>,
     /// Volume that is covered more than once, in length^3.
     pub overlap_volume: f64,
     /// Components, tunnels and cavities of `grid` under face links.
@@ -68,12 +74,30 @@ pub(crate) fn warnings(
     surface: &Surface,
     result: &Voxelization,
     inside: usize,
+    rule: InsideRule,
+    parameters: &VoxelizeParameters,
 ) -> Vec<Warning> {
     let mut list = Vec::new();
     let frame = result.grid.frame();
     let (low, high) = (frame.locate(surface.bounds.min), frame.locate(surface.bounds.max));
     if (0..3).any(|a| low[a] < 0.5 || high[a] > frame.dims()[a] as f64 - 0.5) {
         list.push(Warning::Clipped);
+    }
+    let finest = frame.spacing().into_iter().fold(f64::INFINITY, f64::min);
+    // A change of the solid that was asked for changes its volume.
+    let whole = list.is_empty() && parameters.morphology.is_none();
+    if let Some(mesh) = result.mesh_volume.filter(|mesh| whole && *mesh > 0.0) {
+        // Where overlaps are parted, neither of two covers is among the voxels inside.
+        let missing = if rule == (InsideRule::Total { join: false }) { 2.0 } else { 1.0 };
+        let voxels = inside as f64 * frame.voxel_volume() + missing * result.overlap_volume;
+        if (voxels / mesh - 1.0).abs() >= NOTABLE_ERROR {
+            list.push(Warning::Volume { voxels, mesh, advice: finest / 2.0 });
+        }
+    }
+    let [x, y, z] = frame.spacing();
+    let given = parameters.frame.is_some() || matches!(parameters.pitch, Pitch::Spacing(_));
+    if !given && (x != y || y != z) {
+        list.push(Warning::Fitted { spacing: frame.spacing() });
     }
     let counts = &analysis.counts;
     if counts.boundary > 0 {

@@ -73,6 +73,21 @@ pub enum Warning {
     },
     /// The grid does not reach around the mesh.
     Clipped,
+    /// The voxels' volume is not that of the mesh, by 3 % or more.
+    Volume {
+        /// Volume of the voxels, in length^3: before components are dropped, what is covered twice counted
+        /// twice, as the mesh's volume counts it.
+        voxels: f64,
+        /// Volume of the mesh, in length^3.
+        mesh: f64,
+        /// A finer pitch, in the mesh's units.
+        advice: f64,
+    },
+    /// The voxels are no cubes, because cubes would give thin, flat parts a wrong volume.
+    Fitted {
+        /// Lengths of a voxel along x, y and z, in the mesh's units.
+        spacing: [f64; 3],
+    },
 }
 
 impl fmt::Display for Warning {
@@ -115,6 +130,18 @@ impl fmt::Display for Warning {
                 "{voxels} voxels ({:.2} %) lie in parts thinner than two voxels; a pitch of {advice:.4} would \
                  resolve them better",
                 100.0 * fraction
+            ),
+            Self::Volume { voxels, mesh, advice } => write!(
+                f,
+                "the voxels' volume is {voxels:.4e}, {:.1} % {} than the mesh's {mesh:.4e}: thin parts are not a \
+                 whole number of voxels thick; a pitch of {advice:.4} or turning the mesh off the axes helps",
+                100.0 * (voxels / mesh - 1.0).abs(),
+                if voxels > mesh { "more" } else { "less" }
+            ),
+            Self::Fitted { spacing: [x, y, z] } => write!(
+                f,
+                "the voxels measure {x:.4} x {y:.4} x {z:.4} instead of being cubes, so that thin, flat parts are \
+                 a whole number of voxels thick"
             ),
             Self::Clipped => f.write_str("the grid does not reach around the whole mesh"),
         }

@@ -180,6 +180,34 @@ impl WindingTree {
         points.iter().map(at).collect()
     }
 
+    /// About how many solid angles a point of a box takes in [`Self::winding_numbers`].
+    pub(crate) fn work(&self, target: &BoundingBox) -> f64 {
+        if self.bvh.is_empty() {
+            return 0.0;
+        }
+        let (mut work, mut stack) = (1.5, Stack::new());
+        let centre: Vec3 = std::array::from_fn(|a| 0.5 * (target.min[a] + target.max[a]));
+        let radius = 0.5 * target.diagonal();
+        while let Some(i) = stack.pop() {
+            let expansion = &self.expansions[i];
+            let gap = norm(sub(expansion.centre, centre)) - radius;
+            let size = expansion.far.sqrt() / ACCURACY;
+            let node = &self.bvh.nodes[i];
+            if gap > ACCURACY * size {
+                let (distance, angle) = (gap - size, self.areas[i] / (4.0 * PI));
+                // Interpolated from the corners of the block, an eighth of its points, or evaluated at each.
+                work += if angle * 2.0 * radius * radius < NEGLIGIBLE * distance.powi(4) { 0.1 } else { 1.0 };
+            } else if node.count > 0 {
+                let near = dot(sub(expansion.centre, centre), sub(expansion.centre, centre)) < expansion.far;
+                work += if near { f64::from(node.count) } else { 1.0 };
+            } else {
+                stack.push(node.first as usize);
+                stack.push(i + 1);
+            }
+        }
+        work
+    }
+
     /// What a leaf, or a node far away, adds to the winding number.
     #[inline]
     fn of_node(&self, i: usize, point: Vec3) -> f64 {

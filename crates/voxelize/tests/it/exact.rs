@@ -237,3 +237,27 @@ fn one_thread_and_many_give_the_same_bits() {
     assert_eq!(run(1), run(2));
     assert_eq!(run(1), run(5));
 }
+
+/// What is foretold of a grid comes true, and nothing of it depends on the machine.
+#[test]
+fn an_estimate_knows_the_box() {
+    let whole = sphere([0.0; 3], 1.0, 4);
+    let mut random = Random(41);
+    let open = altered(&whole, |_, t| (random.next() > 0.05).then_some(t));
+    let never = || std::ops::ControlFlow::Continue(());
+    for mesh in [&whole, &open] {
+        let mut last = 0.0;
+        for n in [5_000, 45_000, 400_000] {
+            let parameters = VoxelizeParameters { pitch: Pitch::Voxels(n), ..Default::default() };
+            let cost = estimate(mesh, &parameters, &never).unwrap();
+            assert_eq!(cost, estimate(mesh, &parameters, &never).unwrap());
+            assert_eq!(cost.dims, voxelize(mesh, &parameters).unwrap().grid.frame().dims());
+            assert!(cost.seconds > last && cost.seconds < 10.0 && cost.bytes > n as f64);
+            last = cost.seconds;
+        }
+        let default = estimate(mesh, &VoxelizeParameters::default(), &never).unwrap();
+        assert_eq!(diagnose(mesh).cost, Some(default));
+    }
+    let time = |mesh| estimate(mesh, &VoxelizeParameters::default(), &never).unwrap().seconds;
+    assert!(time(&open) > 5.0 * time(&whole));
+}

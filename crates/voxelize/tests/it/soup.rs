@@ -80,6 +80,26 @@ fn a_diagnosis_foretells_the_refusal() {
     }
 }
 
+/// Work that takes seconds ends soon after it is told to.
+#[test]
+fn long_work_can_be_cancelled() {
+    let mesh = tetrahedra_as_faces(6);
+    let parameters = VoxelizeParameters { pitch: Pitch::Resolution(150), ..Default::default() };
+    let started = std::time::Instant::now();
+    let check = || match started.elapsed().as_secs_f64() > 0.3 {
+        true => std::ops::ControlFlow::Break(()),
+        false => std::ops::ControlFlow::Continue(()),
+    };
+    assert_eq!(voxelize_with(&mesh, &parameters, &check).unwrap_err(), VoxelizeError::Cancelled);
+    let at_once = || std::ops::ControlFlow::Break(());
+    assert_eq!(diagnose_with(&mesh, &at_once), Err(VoxelizeError::Cancelled));
+    let seconds = started.elapsed().as_secs_f64();
+    assert!(seconds < 2.0, "{seconds} s");
+    let ball = sphere([0.0; 3], 1.0, 3);
+    let never = || std::ops::ControlFlow::Continue(());
+    assert_eq!(diagnose_with(&ball, &never), Ok(diagnose(&ball)));
+}
+
 /// A binary STL file of the shared cases.
 fn stl(path: &str) -> Option<TriangleMesh> {
     let file = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared")).join(path);

@@ -125,6 +125,62 @@ fn boxes_and_octahedra() {
     }
 }
 
+/// Thin bodies along the axes have their volume, at least to 3 %, or a warning says by how much they do not; so
+/// do their images.
+#[test]
+fn plates_sheets_and_tubes() {
+    let angle = |t: f64| [[0., 0.], [1., 0.], [1., t], [t, t], [t, 1.], [0., 1.]];
+    let plates = |d: f64| cuboid([0.3, 0.1, 0.2], [1.3, 1.1, 0.2 + d]);
+    // A box without its inner part, open at neither end.
+    let tube = |d: f64| {
+        let inner = inside_out(&cuboid([d, d, d], [0.3 - d, 0.4 - d, 2.0 - d]));
+        together(&[cuboid([0.0; 3], [0.3, 0.4, 2.0]), inner])
+    };
+    let bump =
+        |d: f64| together(&[cuboid([0.0; 3], [1.0, 1.0, d]), cuboid([0.4, 0.4, 0.0], [0.6, 0.6, 0.15])]);
+    let mut shapes: Vec<(String, TriangleMesh, f64)> = Vec::new();
+    for d in [0.011, 0.012, 0.014, 0.016, 0.02, 0.023, 0.03, 0.037] {
+        shapes.push((format!("plate {d}"), plates(d), d));
+        shapes.push((format!("angle {d}"), prism(&angle(d), 0.8), 0.8 * (2.0 * d - d * d)));
+        shapes.push((
+            format!("tube {d}"),
+            tube(d),
+            0.24 - (0.3 - 2.0 * d) * (0.4 - 2.0 * d) * (2.0 - 2.0 * d),
+        ));
+        shapes.push((format!("bump {d}"), bump(d), d + 0.04 * (0.15 - d)));
+    }
+    for (name, mesh, volume) in &shapes {
+        for pitch in [Pitch::Voxels(45_000), Pitch::Voxels(20_000), Pitch::Resolution(100)] {
+            let solid = voxelize(mesh, &pitched(pitch)).unwrap();
+            let error = solid.grid.volume() / volume - 1.0;
+            let fitted = solid.grid.frame().spacing();
+            eprintln!("{name} {pitch:?}: {:+.2} %, {} voxels of {fitted:?}", 100.0 * error, solid.grid.len());
+            let said = solid.warnings.iter().any(|w| matches!(w, Warning::Volume { .. }));
+            assert!(error.abs() < 0.03 || said, "{name} {pitch:?}: {error}");
+            if pitch == Pitch::Voxels(45_000) {
+                assert!(error.abs() < 0.03, "{name}: {error}");
+                assert!(
+                    (solid.grid.len() as f64 / 45_000.0 - 1.0).abs() < 0.4,
+                    "{name}: {}",
+                    solid.grid.len()
+                );
+            }
+            let cubes = fitted.iter().all(|h| *h == fitted[0]);
+            assert_eq!(cubes, !solid.warnings.contains(&Warning::Fitted { spacing: fitted }));
+        }
+    }
+    for (name, mesh, _) in [&shapes[17], &shapes[18], &shapes[19], &shapes[20]] {
+        images_agree(name, mesh, &pitched(Pitch::Voxels(20_000)), 7);
+    }
+    // A pitch that is given stays, and the volume is said to be wrong.
+    let solid = voxelize(&plates(0.02), &pitched(Pitch::Size(0.0076))).unwrap();
+    assert_eq!(solid.grid.frame().spacing(), [0.0076; 3]);
+    let Some(Warning::Volume { voxels, mesh, .. }) = solid.warnings.first() else { panic!() };
+    assert!(
+        (mesh - 0.02).abs() < 1e-12 && (voxels - solid.grid.volume()).abs() < 1e-12 && voxels / mesh > 1.1
+    );
+}
+
 /// A prism over a polygon that is star-shaped about its first corner.
 fn prism(outline: &[[f64; 2]], height: f64) -> TriangleMesh {
     let n = outline.len() as u32;
