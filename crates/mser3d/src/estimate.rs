@@ -1,3 +1,5 @@
+use std::ops::ControlFlow;
+
 use mser3d_shape::{Domain, TriangleMesh};
 use mser3d_spectral::Eigensolver;
 
@@ -64,16 +66,14 @@ impl Parameters {
             Descriptor::Hks(own) => own.times.len(),
         };
         let (elements, k) = (n as f64, eigenpairs as f64);
-        let in_box = box_voxels(input, elements);
+        let solid = Solid::of(input, self, elements);
+        let in_box = solid.in_box;
         let spectrum = match input.domain() {
             Domain::Volume => volume_spectrum(elements, k, self.spectrum.solver),
             Domain::Surface => surface_spectrum(elements, k),
         };
         let stages = StageSeconds {
-            voxelize: match input {
-                Input::Volume(mesh) => voxelize_seconds(mesh, elements, in_box) + vertex_seconds(mesh),
-                Input::Surface(_) | Input::Solid(_) | Input::Shape(_) => 0.0,
-            },
+            voxelize: solid.seconds,
             spectrum: spectrum.seconds,
             regions: links * trees as f64 * elements * (160e-9 + 0.4e-9 * k),
             descriptors: elements * samples as f64 * (1.8e-9 + 0.035e-9 * k),
@@ -136,31 +136,36 @@ fn surface_spectrum(n: f64, k: f64) -> Work {
     })
 }
 
-/// Sweeps over the triangles, voxels and box of a closed mesh.
-// The one place for the voxelizer's own estimate: open meshes take longer, by their winding numbers.
-fn voxelize_seconds(mesh: &TriangleMesh, voxels: f64, in_box: f64) -> f64 {
-    0.25e-6 * mesh.triangles().len() as f64 + 0.1e-6 * voxels + 3e-9 * in_box
-}
-
 /// The nearest voxel of each vertex.
 fn vertex_seconds(mesh: &TriangleMesh) -> f64 {
     0.4e-6 * mesh.vertices().len() as f64
 }
 
-/// Voxels of the box around a solid; 0 for a surface.
-fn box_voxels(input: &Input, voxels: f64) -> f64 {
-    match input {
-        Input::Solid(grid) => grid.frame().dims().iter().map(|&d| d as f64).product(),
-        Input::Volume(mesh) => {
-            let volume = mesh.signed_volume().abs();
-            let extent = mesh.bounding_box().map_or([0.0; 3], |b| b.extent());
-            let filled = volume / extent.into_iter().product::<f64>();
-            // A mesh that encloses nothing is refused, so how large its box would be matters little.
-            if filled > 0.0 { (voxels / filled).min(MOST_BOX_VOXELS) } else { voxels }
-        }
-        Input::Surface(_) | Input::Shape(_) => 0.0,
-    }
+/// What it takes to get the voxels of a solid.
+struct Solid {
+    seconds: f64,
+    /// Voxels of the box around it; none for a surface.
+    in_box: f64,
 }
 
-/// Larger boxes are refused by default.
-const MOST_BOX_VOXELS: f64 = 4.3e9;
+impl Solid {
+    fn of(input: &Input, parameters: &Parameters, voxels: f64) -> Self {
+        let product = |dims: [usize; 3]| dims.iter().map(|&d| d as f64).product();
+        match input {
+            Input::Solid(grid) => Self { seconds: 0.0, in_box: product(grid.frame().dims()) },
+            Input::Surface(_) | Input::Shape(_) => Self { seconds: 0.0, in_box: 0.0 },
+            Input::Volume(mesh) => {
+                let goes_on = || ControlFlow::Continue(());
+                match mser3d_voxelize::estimate(mesh, &parameters.voxelize, &goes_on) {
+                    // Topology and components of the solid beside the voxelizer's own work.
+                    Ok(cost) => Self {
+                        seconds: cost.seconds + 0.1e-6 * voxels + vertex_seconds(mesh),
+                        in_box: product(cost.dims),
+                    },
+                    // It will be refused, after a look at each triangle.
+                    Err(_) => Self { seconds: 0.3e-6 * mesh.triangles().len() as f64, in_box: 0.0 },
+                }
+            }
+        }
+    }
+}

@@ -25,7 +25,7 @@ pub struct Inspection {
     pub choose: Option<String>,
     /// Edge of a voxel, in the file's units; none where nothing is enclosed, or the voxels are given.
     pub pitch: Option<f64>,
-    /// What a run will take; none where there is no body yet.
+    /// What a run will take; none where there is no body yet, or the mesh is refused.
     pub estimate: Option<Estimate>,
     /// The animations of a glTF file.
     pub animations: Vec<AnimationInfo>,
@@ -66,15 +66,16 @@ impl Inspection {
 
     fn of_shape(file: &ShapeFile, parameters: &Parameters) -> Self {
         let (input, loaded) = (file.record(), file.loaded());
-        let estimate = parameters.estimate(&file.volume());
+        let refused = input.diagnosis.as_ref().is_some_and(|d| d.refused.is_some());
+        let estimate = (!refused).then(|| parameters.estimate(&file.volume()));
         let volume = input.diagnosis.as_ref().map(|d| d.volume).filter(|&volume| volume > 0.0);
         Self {
             file_vertices: loaded.and_then(|l| l.weld.as_ref()).map(Vec::len),
             polygons: loaded.map(|l| l.polygons),
             values: Vec::new(),
             choose: None,
-            pitch: volume.map(|volume| (volume / estimate.elements as f64).cbrt()),
-            estimate: Some(estimate),
+            pitch: volume.zip(estimate.as_ref()).map(|(volume, e)| (volume / e.elements as f64).cbrt()),
+            estimate,
             animations: list_animations(&file.path).unwrap_or_default(),
             notes: file.notes().to_vec(),
             input,
@@ -236,6 +237,9 @@ impl Inspection {
             },
         );
         line("inside test", format!("{}: {}", d.inside.name(), d.reason));
+        if let Some(refused) = &d.refused {
+            line("a run is refused", refused.clone());
+        }
     }
 }
 

@@ -129,6 +129,8 @@ pub struct VoxelizationRecord {
     pub cut_links: usize,
     /// Volume that is covered more than once.
     pub overlap_volume: f64,
+    /// Volume of the mesh, what it covers twice counted twice; none where it is open.
+    pub mesh_volume: Option<f64>,
 }
 
 impl From<&Voxelization> for VoxelizationRecord {
@@ -149,6 +151,7 @@ impl From<&Voxelization> for VoxelizationRecord {
             dropped_voxels: v.dropped_voxels,
             cut_links: v.cut_links,
             overlap_volume: v.overlap_volume,
+            mesh_volume: v.mesh_volume,
         }
     }
 }

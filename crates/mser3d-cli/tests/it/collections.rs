@@ -255,7 +255,7 @@ fn what_cannot_be_compared_is_refused() {
     let path = |name: &str| folder.path().join(name);
     regions(&poses()[0], &path("a"), SMALL);
     regions(&poses()[0], &path("b"), "--voxels 1500 --eigenpairs 25 --quiet");
-    regions(&poses()[0], &path("none"), &format!("{SMALL} --min-stability 1e12"));
+    regions(&poses()[0], &path("none"), &format!("{SMALL} --min-volume 0.7 --max-volume 0.71"));
     fs::create_dir(path("empty")).unwrap();
     let run = |command: &str, a: &str, b: &str| {
         mser3d([command.as_ref(), path(a).as_os_str(), path(b).as_os_str()])
@@ -270,7 +270,7 @@ fn what_cannot_be_compared_is_refused() {
     fs::write(&regions, record.replacen("\"format\": 3", "\"format\": 77", 1)).unwrap();
     assert_fails(&run("match", "a", "b"), 1, &["format 77", "detect` again"]);
     let output = batch_command(&[path("empty")], &path("c"), "").output().unwrap();
-    assert_fails(&output, 1, &["no shapes in this folder"]);
+    assert_fails(&output, 1, &["no meshes and no volumes in this folder"]);
     for shard in ["0/2", "3/2", "two"] {
         let output = batch_command(&poses(), &path("c"), &format!("--shard {shard}")).output().unwrap();
         assert_fails(&output, 2, &["shard", "I from 1 to N"]);
