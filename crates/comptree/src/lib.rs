@@ -72,6 +72,7 @@ mod error;
 mod export;
 mod filter;
 mod grey_value;
+mod levels;
 mod msv;
 mod numbering;
 #[cfg(feature = "petgraph")]
@@ -88,6 +89,7 @@ pub use attributes::{Bounds, Moments};
 pub use ellipsoid::Ellipsoid;
 pub use error::TreeError;
 pub use grey_value::GreyValue;
+pub use levels::join_levels;
 pub use mser3d_shape as shape;
 pub use mser3d_shape::InvalidParameter;
 pub use msv::{Contrast, MsvParameters, maximally_stable_volumes};

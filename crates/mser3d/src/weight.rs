@@ -1,4 +1,4 @@
-use mser3d_comptree::{ComponentTree, Polarity};
+use mser3d_comptree::{ComponentTree, Polarity, join_levels};
 use mser3d_descriptors::{auto_diffusivity, commute_time, inverse_heat_kernel};
 use mser3d_shape::Eigenbasis;
 
@@ -44,19 +44,28 @@ pub(crate) enum WeightValues {
     Edges(Vec<[u32; 2]>, Vec<f64>),
 }
 
+/// Weights that differ by less, relatively, are one level. Eigenfunctions of a symmetric solid are symmetric to 1e-13,
+/// and its voxels' weights lie 1e-4 apart.
+const ROUNDING: f64 = 1e-9;
+
+fn levels(mut weights: Vec<f64>) -> Vec<f64> {
+    join_levels(&mut weights, ROUNDING);
+    weights
+}
+
 impl WeightValues {
     /// A weight on a shape; `t` is the time in length^2, where the weight has one.
     pub fn new(shape: &DiscreteShape, basis: &Eigenbasis, weight: Weight, t: f64) -> Result<Self, Error> {
         Ok(match weight {
-            Weight::Heat => Self::Vertices(auto_diffusivity(basis, t)?),
-            Weight::Commute => Self::Vertices(commute_time(basis)?),
+            Weight::Heat => Self::Vertices(levels(auto_diffusivity(basis, t)?)),
+            Weight::Commute => Self::Vertices(levels(commute_time(basis)?)),
             Weight::Edge => {
                 let edges: Vec<[u32; 2]> = match shape.elements() {
                     Elements::Voxels { grid, connectivity } => grid.graph(*connectivity)?.edges().collect(),
                     Elements::Vertices { edges, .. } => edges.edges().collect(),
                 };
                 let weights = inverse_heat_kernel(basis, t, &edges)?;
-                Self::Edges(edges, weights)
+                Self::Edges(edges, levels(weights))
             }
         })
     }

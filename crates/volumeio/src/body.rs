@@ -96,6 +96,18 @@ pub enum BodyError {
         /// What they are.
         what: &'static str,
     },
+    /// The file holds a segmentation of several layers.
+    #[error(
+        "a segmentation of {count} layers with {names}; choose a segment with --label NAME, all with --label all, or a layer \
+         with --volume N, from 0 to {}",
+        count - 1
+    )]
+    SeveralSegments {
+        /// How many layers.
+        count: usize,
+        /// The names of the segments.
+        names: String,
+    },
     /// There is no volume of this number.
     #[error("there is no volume {volume}: the file holds {count}, from 0 on")]
     NoVolume {
@@ -318,11 +330,12 @@ impl LoadedVolume {
             notes.push(format!("all {count} colours are the same grey and were read as one"));
             return Ok(0);
         }
-        let what = match self.channels {
-            ChannelKind::Colours => "colours a voxel",
-            ChannelKind::Layers => "layers of segments",
-            _ => "volumes",
-        };
+        if self.channels == ChannelKind::Layers {
+            let names: Vec<&str> = self.segments.iter().map(|segment| segment.name.as_str()).collect();
+            let names = if names.is_empty() { "unnamed segments".to_owned() } else { names.join(", ") };
+            return Err(BodyError::SeveralSegments { count, names });
+        }
+        let what = if self.channels == ChannelKind::Colours { "colours a voxel" } else { "volumes" };
         Err(BodyError::SeveralVolumes { count, what })
     }
 

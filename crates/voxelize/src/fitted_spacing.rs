@@ -13,6 +13,8 @@ use std::collections::HashMap;
 pub(crate) const NOTABLE_ERROR: f64 = 0.03;
 /// A voxel's side may become longer or shorter by this factor.
 const STRETCH: f64 = 1.5;
+/// A voxel's longest side may be longer than its shortest by this factor.
+const MOST_STRETCH: f64 = 3.0;
 /// The error of the volume that a voxel twice as long as it should be is worth.
 const CUBES: f64 = 0.04;
 
@@ -132,5 +134,8 @@ pub(crate) fn fitted_spacing(surface: &Surface, pitch: f64, keep_count: bool) ->
         ((total(*spacing) + if keep_count { COUNT * count } else { 0.0 }) * 1e9).round()
     };
     let spacing = starts.iter().map(|s| fitted(pitch * s)).min_by(|a, b| cost(a).total_cmp(&cost(b)))?;
-    (total(spacing) < 0.5 * cubes).then(|| spacing.map(|h| h / surface.scale))
+    // Sheets much thinner than a voxel stay what they are: too thin. The Laplacian of flat voxels is badly conditioned.
+    let [low, high] = [f64::min, f64::max].map(|of| spacing.iter().copied().reduce(of).unwrap_or(pitch));
+    let nearly_cubes = high <= MOST_STRETCH * low;
+    (nearly_cubes && total(spacing) < 0.5 * cubes).then(|| spacing.map(|h| h / surface.scale))
 }

@@ -55,9 +55,10 @@ pub(crate) fn around_within(
     Ok(Frame::new(dims.map(|d| d as usize), origin, spacing)?)
 }
 
-/// The number of voxels across an extent: at least one.
+/// The number of voxels across an extent. None across a sheet of less than half a voxel: a layer of them would be more
+/// than twice as thick, so the sheet lies between centres, and is too thin.
 pub(crate) fn voxels_across(extent: f64, spacing: f64) -> f64 {
-    (extent / spacing - HALF).round().max(1.0)
+    (extent / spacing - HALF).round()
 }
 
 /// A coordinate rounded to its last few bits, as seen from `reach`: 50 bits are kept, less `spare`. Rounding

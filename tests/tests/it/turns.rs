@@ -78,7 +78,12 @@ fn same_in_all(mesh: &TriangleMesh, voxels: usize, swaps: &[Swap]) {
         for (a, b) in found.bodies[0].basis.eigenvalues().iter().zip(eigenvalues) {
             assert!((a - b).abs() <= 1e-9 * b.abs(), "{swap:?}: {a} {b}");
         }
-        assert!(regions(&found, mesh, swap) == expected, "{swap:?}");
+        let found = regions(&found, mesh, swap);
+        let only = |a: &[Vec<[i64; 3]>], b: &[Vec<[i64; 3]>]| -> Vec<usize> {
+            a.iter().filter(|region| !b.contains(region)).map(Vec::len).collect()
+        };
+        let lost = (only(&expected, &found), only(&found, &expected));
+        assert_eq!(lost, Default::default(), "{swap:?}: sizes of regions that were lost, and of new ones");
     }
 }
 
@@ -100,6 +105,6 @@ fn regions_of_real_bodies_turn_with_them() {
             continue;
         }
         let mesh = mser3d_meshio::read_mesh(&path, &Default::default()).unwrap().mesh;
-        same_in_all(&mesh, 20_000, &Swap::all());
+        same_in_all(&mesh, 45_000, &Swap::all());
     }
 }

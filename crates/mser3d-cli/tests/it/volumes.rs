@@ -350,7 +350,10 @@ fn what_has_to_be_chosen_is_said() {
         ("mask_labels_4d/4d2.nii", "the file holds 2 volumes; choose one with --volume N, from 0 to 1"),
         ("mask_labels_4d/ct.nii", "grey values: -1024 (26408 voxels), 300 (2392 voxels)"),
         ("mask_labels_4d/prob.nii", "grey values: 1915 different values from 0 to 0.99"),
-        ("mask_labels_4d/two.seg.nrrd", "2 layers of segments"),
+        (
+            "mask_labels_4d/two.seg.nrrd",
+            "a segmentation of 2 layers with a, b; choose a segment with --label NAME",
+        ),
     ] {
         let Some(path) = case(name) else { return };
         let folder = tempfile::tempdir().unwrap();

@@ -191,8 +191,12 @@ fn a_mesh_that_the_grid_parts_has_labels_where_it_is_searched() {
             triangles.extend([[a, b, b + 4], [a, b + 4, a + 4]]);
         }
     }
-    // Off the grid's lines, so that no centre lies in the rod.
-    let vertices = vertices.iter().map(|p| [p[0], p[1] + 0.05, p[2] + 0.07]).collect();
+    // The rod off the middle, so that no centre lies in it.
+    let moved = |(i, p): (usize, &[f64; 3])| match i {
+        8..16 => [p[0], p[1] + 0.11, p[2] + 0.11],
+        _ => *p,
+    };
+    let vertices = vertices.iter().enumerate().map(moved).collect();
     let mesh = TriangleMesh::new(vertices, triangles).unwrap();
     let features = detect(Bodies::Largest, Input::Volume(&mesh));
     assert_eq!(features.voxelization.as_ref().unwrap().dropped_components, 1);

@@ -118,8 +118,8 @@ fn what_is_wrong_with_a_folder_is_said() {
 
     let json = folder.path().join("regions.json");
     let good = std::fs::read_to_string(&json).unwrap();
-    std::fs::write(&json, good.replacen("\"format\": 2", "\"format\": 7", 1)).unwrap();
-    assert!(error(folder.path()).contains("in format 7, this program reads format 2"));
+    std::fs::write(&json, good.replacen("\"format\": 3", "\"format\": 7", 1)).unwrap();
+    assert!(error(folder.path()).contains("in format 7, this program reads format 3"));
     std::fs::write(&json, &good[..good.len() / 2]).unwrap();
     assert!(error(folder.path()).contains("regions.json: EOF"));
     std::fs::write(&json, good.replacen("\"tree\": ", "\"tree\": 9", 1)).unwrap();
@@ -195,7 +195,10 @@ fn the_ending_says_what_is_exported() {
     assert_eq!(read, VOLUME.mesh);
     let error = |name: &str| VOLUME.export(&path(name)).unwrap_err().to_string();
     for name in ["a.fbx", "a"] {
-        assert!(error(name).ends_with("no such format; end the name in .glb, .ply, .vtp or .vti"));
+        assert!(
+            error(name)
+                .ends_with("no such format; end the name in .glb, .ply, .vtp, .vti, .nii.gz or .mrk.json")
+        );
     }
     let mut surface = VOLUME.clone();
     surface.grid = None;
