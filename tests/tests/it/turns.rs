@@ -89,9 +89,9 @@ fn same_in_all(mesh: &TriangleMesh, voxels: usize, swaps: &[Swap]) {
 
 #[test]
 fn regions_turn_with_the_body_and_its_mirror_image() {
-    same_in_all(&fixture("human_rest.off"), 3000, &Swap::all());
+    same_in_all(&fixture("human_rest.off"), 5000, &Swap::all());
     let few: Vec<Swap> = Swap::all().into_iter().step_by(7).collect();
-    same_in_all(&fixture("quadruped_rest.off"), 3000, &few);
+    same_in_all(&fixture("quadruped_rest.off"), 5000, &few);
 }
 
 /// All of it on real bodies: `cargo test --release -p mser3d-tests -- --ignored turns`.
