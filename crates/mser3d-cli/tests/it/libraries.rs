@@ -123,8 +123,7 @@ fn of_two_bodies_in_a_mask_the_larger_is_searched() {
     assert!(said.contains("1 smaller body with 108 voxels (10.00 %) was dropped"), "{said}");
     assert_alike(&path, "", &features);
     // Both, for who wants them.
-    let mut both = Parameters::default();
-    both.bodies = Bodies::Join;
+    let both = Parameters { bodies: Bodies::Join, ..Default::default() };
     let features = Detector::new(both).detect(Input::Solid(&mask([16, 9, 9], inside))).unwrap();
     assert_eq!((features.shape.len(), features.bodies[0].spectrum.zero_modes), (12 * 9 * 9 + 108, 2));
 }
