@@ -108,10 +108,10 @@ impl Record {
         let (regions, trees) = (record.regions.len(), record.trees.len());
         for (place, region) in record.regions.iter().enumerate() {
             let known = region.id as usize == place
-                && region.parent.is_none_or(|p| (p as usize) < regions)
+                && region.parent.is_none_or(|p| p < region.id)
                 && (region.tree as usize) < trees;
             if !known {
-                let reason = format!("region {} names a region or tree that is not there", region.id);
+                let reason = format!("region {} names a parent or tree that is none of its own", region.id);
                 return Err(ResultsError::Broken { path, reason });
             }
         }

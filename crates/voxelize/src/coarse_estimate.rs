@@ -11,6 +11,10 @@ use crate::voxel_fill::{Solid, sweep};
 /// Voxels along the longest side of the coarse grid.
 const RESOLUTION: usize = 48;
 
+/// The same where triangles hang together badly: each voxel near them takes a sum over all. It is the doubt that counts
+/// there, which shows on few voxels.
+const RESOLUTION_OF_LOOSE: usize = 24;
+
 /// Triangles that hang together badly and cross grid lines more often than this in each voxel are a soup: the surface
 /// of a solid is crossed a few times by a whole line.
 const CROWDED: f64 = 0.5;
@@ -38,7 +42,9 @@ impl CoarseEstimate {
         inside_test: InsideTest,
         stop: &Stop,
     ) -> Result<Option<Self>, Soup> {
-        let pitch = resolution_pitch(surface, RESOLUTION);
+        let loose = surface.scattered() || surface.tangled();
+        let resolution = if loose { RESOLUTION_OF_LOOSE } else { RESOLUTION };
+        let pitch = resolution_pitch(surface, resolution);
         let Some(frame) = pitch.and_then(|pitch| around(surface, pitch).ok()) else {
             return Ok(None);
         };

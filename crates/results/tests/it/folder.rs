@@ -123,7 +123,10 @@ fn what_is_wrong_with_a_folder_is_said() {
     std::fs::write(&json, &good[..good.len() / 2]).unwrap();
     assert!(error(folder.path()).contains("regions.json: EOF"));
     std::fs::write(&json, good.replacen("\"tree\": ", "\"tree\": 9", 1)).unwrap();
-    assert!(error(folder.path()).contains("names a region or tree that is not there"));
+    assert!(error(folder.path()).contains("region 0 names a parent or tree that is none of its own"));
+    // Whoever follows parents comes to an end.
+    std::fs::write(&json, good.replacen("\"parent\": null", "\"parent\": 0", 1)).unwrap();
+    assert!(error(folder.path()).contains("region 0 names a parent"));
 
     // A result of one shape with the arrays of another.
     std::fs::write(&json, &good).unwrap();
