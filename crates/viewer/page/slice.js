@@ -1,5 +1,7 @@
 // The plane that cuts a solid: its voxels as a texture. Planes run along the axes of the world, the axes of the grid may
-// run any way; so the plane is sampled at steps no longer than a voxel. Along the world's axes that is the voxels' layer.
+// run any way; so the plane is sampled. Along the world's axes that is the voxels' layer, else there are FINE samples a voxel.
+
+const FINE = 4;
 
 class Slice {
   constructor(gl, shape) {
@@ -26,7 +28,11 @@ class Slice {
     const sum = (w, part) => [0, 1, 2].reduce((s, a) => s + part(edge(a, w), 0), origin[w]);
     const low = [0, 1, 2].map((w) => sum(w, Math.min));
     const high = [0, 1, 2].map((w) => sum(w, Math.max));
-    const step = [0, 1, 2].map((w) => Math.min(...[0, 1, 2].map((a) => spacing[a] / Math.abs(directions[a][w]))));
+    const along = directions.every((d) => d.filter((x) => x !== 0).length === 1);
+    const fine = along ? 1 : FINE;
+    this.reach *= fine;
+    const edgeAlong = (w) => Math.min(...[0, 1, 2].map((a) => spacing[a] / Math.abs(directions[a][w])));
+    const step = [0, 1, 2].map((w) => edgeAlong(w) / fine);
     // What is a rounding error more than a whole number of steps is that number.
     const count = [0, 1, 2].map((w) => Math.max(1, Math.ceil((high[w] - low[w]) / step[w] - 1e-6)));
     Object.assign(this, { low, step, count });

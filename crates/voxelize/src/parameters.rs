@@ -137,6 +137,8 @@ impl VoxelizeParameters {
                 "at least one voxel along each axis",
             )?;
         }
+        let along = self.frame.is_none_or(|frame| frame.is_along_axes());
+        InvalidParameter::unless(along, "frame", "turned", "a grid along x, y and z; turn the mesh instead")?;
         Ok(InvalidParameter::unless(
             self.max_box_voxels > 0,
             "max_box_voxels",
