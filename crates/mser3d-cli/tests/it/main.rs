@@ -1,5 +1,6 @@
 //! The program as users meet it: its files, words, exit codes, and what its documentation promises.
 
+mod cases;
 mod collections;
 mod common;
 #[cfg(unix)]

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use crate::cases::case;
 use crate::common::*;
 use mser3d_volumeio::{Affine, Samples, Volume, read_volume, write_nifti, write_npy};
 use serde_json::Value;
@@ -266,16 +267,6 @@ fn each_label_of_a_label_map_is_a_shape() {
     assert_fails(&batch(&[]), 1, &["no meshes and no volumes", "--recursive"]);
     assert!(batch(&["--recursive"]).status.success());
     assert_eq!(json(&path("batch/seg-007/regions.json"))["regions"], second["regions"]);
-}
-
-/// A file of the folder of shared cases, if that is there.
-fn case(name: &str) -> Option<std::path::PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/cases").join(name);
-    if !path.exists() {
-        eprintln!("skipped: {name} is not there");
-        return None;
-    }
-    Some(path)
 }
 
 /// What `inspect --json` says.
