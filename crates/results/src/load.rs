@@ -105,7 +105,7 @@ impl Record {
             _ => ResultsError::Io { path: path.clone(), error },
         })?;
         let record: Self = parse(&path, &text, FORMAT)?;
-        let (regions, trees) = (record.regions.len(), record.trees.len());
+        let trees = record.trees.len();
         for (place, region) in record.regions.iter().enumerate() {
             let known = region.id as usize == place
                 && region.parent.is_none_or(|p| p < region.id)
