@@ -114,6 +114,20 @@ impl CollectionFolder {
     }
 }
 
+/// The folders in a collection that may hold results, by name.
+pub(crate) fn result_names(root: &Path) -> Result<Vec<String>, CollectionError> {
+    let mut names = Vec::new();
+    for entry in fs::read_dir(root).map_err(CollectionError::io(root))? {
+        let entry = entry.map_err(CollectionError::io(root))?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if !name.starts_with('.') && entry.path().is_dir() {
+            names.push(name);
+        }
+    }
+    names.sort();
+    Ok(names)
+}
+
 /// Whether a folder holds what batches write, or nothing.
 fn is_ours(folder: &Path) -> bool {
     let has = |name: &str| folder.join(name).is_file();

@@ -5,6 +5,7 @@ use std::path::Path;
 use mser3d_fileio::write_text;
 use mser3d_results::{BodyRecord, LabelMap, OrientedBox, Record, Results, write_landmarks};
 
+use crate::folder::result_names;
 use crate::job::SkippedLabel;
 use crate::{CollectionError, Failure};
 
@@ -98,21 +99,24 @@ pub(crate) fn write(
 /// # Errors
 /// [`CollectionError::Results`], also where the results are not on one grid.
 pub fn write_label_map(folder: &Path, shapes: &[String]) -> Result<usize, CollectionError> {
-    let results = shapes.iter().map(|name| Results::load(&folder.join(name)));
-    let results = results.collect::<Result<Vec<_>, _>>()?;
+    let mut results = Vec::new();
     let mut first = 0;
-    let numbered: Vec<(&Results, u32)> = results
-        .iter()
-        .map(|r| {
-            let numbered = (r, first);
-            first += r.record.regions.len() as u32;
-            numbered
-        })
-        .collect();
+    // Numbered as in the table, which has all labels of the collection, those of earlier runs too.
+    for name in result_names(folder)? {
+        let record = match Record::load(&folder.join(&name)) {
+            Ok(record) if body(&record).is_some() => record,
+            _ => continue,
+        };
+        if shapes.contains(&name) {
+            results.push((Results::load(&folder.join(&name))?, first, name));
+        }
+        first += record.regions.len() as u32;
+    }
+    let numbered: Vec<(&Results, u32)> = results.iter().map(|(r, first, _)| (r, *first)).collect();
     let map = LabelMap::new(&numbered)?;
     map.write(&folder.join("regions.nii.gz"))?;
     let records: Vec<(String, &Record)> =
-        shapes.iter().zip(&results).map(|(name, r)| (format!("{name}-"), &r.record)).collect();
+        results.iter().map(|(r, _, name)| (format!("{name}-"), &r.record)).collect();
     write_landmarks(&folder.join("landmarks.mrk.json"), &records)?;
     Ok(map.contested)
 }

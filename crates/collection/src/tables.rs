@@ -5,7 +5,7 @@ use mser3d_fileio::{NpyValues, read_npz, write_text};
 use mser3d_results::{Record, ResultsError};
 use serde::Serialize;
 
-use crate::folder::CollectionFolder;
+use crate::folder::{CollectionFolder, result_names};
 use crate::job::SkippedLabel;
 use crate::label_tables;
 use crate::parquet::{self, Column};
@@ -59,15 +59,7 @@ pub fn build_tables(folder: &Path) -> Result<Tables, CollectionError> {
 pub(crate) fn build(folder: &CollectionFolder, skipped: &[SkippedLabel]) -> Result<Tables, CollectionError> {
     let root = folder.path();
     folder.remove_tables()?;
-    let mut names = Vec::new();
-    for entry in std::fs::read_dir(root).map_err(CollectionError::io(root))? {
-        let entry = entry.map_err(CollectionError::io(root))?;
-        let name = entry.file_name().to_string_lossy().into_owned();
-        if !name.starts_with('.') && entry.path().is_dir() {
-            names.push(name);
-        }
-    }
-    names.sort();
+    let names = result_names(root)?;
     let mut rows = Rows::default();
     let (mut records, mut failures) = (Vec::new(), Vec::new());
     let mut settings: Option<(String, DescriptorSettings)> = None;
