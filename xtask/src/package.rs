@@ -37,6 +37,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     if arguments.allow_dirty {
         package.arg("--allow-dirty");
     }
+    forget_older_packages()?;
     succeeds(&mut package)?;
     let folder = tempfile::tempdir()?;
     let crates = unpack(&target.join("package"), folder.path())?;
@@ -49,6 +50,29 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     build.current_dir(&project).args(["run", "--quiet"]).env("CARGO_TARGET_DIR", target.join("fresh"));
     succeeds(&mut build)?;
     println!("a fresh project that depends on {PICKED} alone builds and runs the example of its README");
+    Ok(())
+}
+
+/// Removes what cargo unpacked of our crates when they were packaged before. It would take these in place of new ones of the
+/// same version. (What crates.io has is unpacked elsewhere.)
+fn forget_older_packages() -> Result<(), Box<dyn Error>> {
+    let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
+    let home = home.or_else(|| Some(PathBuf::from(std::env::var_os("HOME")?).join(".cargo")));
+    let Ok(registries) = fs::read_dir(home.unwrap_or_default().join("registry/src")) else { return Ok(()) };
+    for registry in registries {
+        let registry = registry?;
+        // A registry in a folder has no host before the dash.
+        if !registry.file_name().to_string_lossy().starts_with('-') {
+            continue;
+        }
+        for package in fs::read_dir(registry.path())? {
+            let package = package?;
+            let name = package.file_name().to_string_lossy().into_owned();
+            if name.starts_with("mser3d") && name.ends_with(&format!("-{}", env!("CARGO_PKG_VERSION"))) {
+                fs::remove_dir_all(package.path())?;
+            }
+        }
+    }
     Ok(())
 }
 
