@@ -11,8 +11,8 @@ use crate::voxel_fill::{Solid, sweep};
 /// Voxels along the longest side of the coarse grid.
 const RESOLUTION: usize = 48;
 
-/// The same where triangles hang together badly: each voxel near them takes a sum over all. It is the doubt that counts
-/// there, which shows on few voxels.
+/// The same where much of a surface is boundary: each voxel near it takes a sum over many triangles. (Where there may be no
+/// inside at all, the doubt about it needs the finer grid.)
 const RESOLUTION_OF_LOOSE: usize = 24;
 
 /// Triangles that hang together badly and cross grid lines more often than this in each voxel are a soup: the surface
@@ -42,7 +42,7 @@ impl CoarseEstimate {
         inside_test: InsideTest,
         stop: &Stop,
     ) -> Result<Option<Self>, Soup> {
-        let loose = surface.scattered() || surface.tangled();
+        let loose = surface.tangled() && !surface.scattered();
         let resolution = if loose { RESOLUTION_OF_LOOSE } else { RESOLUTION };
         let pitch = resolution_pitch(surface, resolution);
         let Some(frame) = pitch.and_then(|pitch| around(surface, pitch).ok()) else {
