@@ -37,7 +37,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     if arguments.allow_dirty {
         package.arg("--allow-dirty");
     }
-    forget_older_packages()?;
+    forget_older_packages(&target)?;
     succeeds(&mut package)?;
     let folder = tempfile::tempdir()?;
     let crates = unpack(&target.join("package"), folder.path())?;
@@ -53,9 +53,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Removes what cargo unpacked of our crates when they were packaged before. It would take these in place of new ones of the
-/// same version. (What crates.io has is unpacked elsewhere.)
-fn forget_older_packages() -> Result<(), Box<dyn Error>> {
+/// Removes what cargo unpacked and built of our crates when they were packaged before. It would take these in place of new
+/// ones of the same version. (What crates.io has is unpacked elsewhere.)
+fn forget_older_packages(target: &Path) -> Result<(), Box<dyn Error>> {
+    for built in fs::read_dir(target.join("debug/.fingerprint")).into_iter().flatten() {
+        let built = built?;
+        if built.file_name().to_string_lossy().starts_with("mser3d") {
+            fs::remove_dir_all(built.path())?;
+        }
+    }
     let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
     let home = home.or_else(|| Some(PathBuf::from(std::env::var_os("HOME")?).join(".cargo")));
     let Ok(registries) = fs::read_dir(home.unwrap_or_default().join("registry/src")) else { return Ok(()) };
