@@ -171,7 +171,7 @@ def check_pyarrow(mesh, folder):
             "path": record["input"]["path"],
             "sha256": record["input"]["sha256"],
             "voxels": record["voxelization"]["voxels"],
-            "measure": record["voxelization"]["volume"],
+            "measure": sum(body["measure"] for body in record["bodies"]),
             "regions": len(record["regions"]),
             "version": record["mser3d"],
         }.items():
