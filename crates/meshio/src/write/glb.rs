@@ -7,11 +7,14 @@ use std::fmt::Write as _;
 use std::io::Write;
 use std::path::Path;
 
+/// From this many widths from the origin on, f32 keeps too little of a mesh.
+const FAR: f64 = 4.0;
+
 /// Writes a mesh as binary glTF, for Blender and the web: positions in f32, triangles and, where
 /// given, normals, colours (`COLOR_0`, linear as glTF wants them) and regions (`_REGION`).
 ///
-/// Positions of a mesh that is farther from the origin than it is wide are stored relative to its centre, and
-/// the node's translation leads back, so that they err by at most 6e-8 of the mesh's width. Returns notes: what
+/// Positions of a mesh whose centre is farther from the origin than four times its width are stored relative to its
+/// centre, and the node's translation leads back, so that they err by at most 3e-7 of the mesh's width. Returns notes: what
 /// a user should know of what f32 could not keep.
 ///
 /// # Errors
@@ -49,7 +52,9 @@ impl Placed {
         let mut rest: [f64; 3] = std::array::from_fn(|a| low[a] / 2.0 + high[a] / 2.0);
         let mut offsets = Vec::new();
         // One step leaves 2^-24 of the distance, two 2^-48, which is as fine as f64 has it there.
-        while offsets.len() < 2 && (0..3).any(|a| 2.0 * rest[a].abs() > width) {
+        // A figure on its floor has its place in its vertices, as readers without nodes expect.
+        let far = (0..3).any(|a| rest[a].abs() > FAR * width);
+        while far && offsets.len() < 2 && (0..3).any(|a| 2.0 * rest[a].abs() > width) {
             let offset = rest.map(|x| x as f32);
             if offset.iter().any(|x| !x.is_finite()) || offset == [0.0; 3] {
                 break;
