@@ -275,7 +275,7 @@ impl Record {
             voxels: volume.then_some(r.elements.len()),
             vertices: r.vertices.len(),
             centroid: r.centroid,
-            tip: positions[tip(features, r) as usize],
+            tip: tip(features, r),
             oriented_box: OrientedBox::around(&r.elements, positions, &mass, half_edges),
         });
         let trees = features.trees.iter().map(|t| TreeRecord {
@@ -348,16 +348,17 @@ impl Record {
     }
 }
 
-/// The element of a region with the extreme weight: the one that enters its tree first, of several the first.
-fn tip(features: &Features, region: &Region) -> u32 {
+/// Where a region begins: its element with the extreme weight, the one that enters its tree first, of several the first.
+fn tip(features: &Features, region: &Region) -> [f64; 3] {
     let (body, tree) = (&features.bodies[region.body], &features.trees[region.tree].tree);
-    let node = |e: u32| tree.nodes_of_vertices()[body.number_of(e).expect("of this body") as usize];
-    let altitude = |e: &u32| tree.altitudes()[node(*e) as usize];
-    let order = |a: &&u32, b: &&u32| match tree.polarity() {
-        Polarity::Sublevel => altitude(a).total_cmp(&altitude(b)),
-        Polarity::Superlevel => altitude(b).total_cmp(&altitude(a)),
+    let sign = if tree.polarity() == Polarity::Sublevel { 1.0 } else { -1.0 };
+    let altitude = |element: u32| {
+        let node = tree.nodes_of_vertices()[body.number_of(element)? as usize];
+        Some((element, sign * tree.altitudes()[node as usize]))
     };
-    *region.elements.iter().min_by(order).expect("a region has elements")
+    let entered = region.elements.iter().filter_map(|&element| altitude(element));
+    let first = entered.min_by(|a, b| a.1.total_cmp(&b.1));
+    first.map_or(region.centroid, |(element, _)| features.shape.positions()[element as usize])
 }
 
 /// JSON has neither infinity nor NaN.

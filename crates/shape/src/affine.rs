@@ -96,6 +96,11 @@ impl Affine {
         Self::from_steps(origin, [[spacing[0], 0., 0.], [0., spacing[1], 0.], [0., 0., spacing[2]]])
     }
 
+    /// The map of a frame, whose steps are known to be sound.
+    pub(crate) fn of_frame(rows: [[f64; 4]; 3]) -> Self {
+        Self { rows }
+    }
+
     /// The first three rows; the fourth is 0 0 0 1.
     pub fn rows(&self) -> [[f64; 4]; 3] {
         self.rows

@@ -117,8 +117,9 @@ impl Frame {
 
     /// Index to world: the centre of voxel (i, j, k) is at its `position([i, j, k])`.
     pub fn affine(&self) -> Affine {
-        let steps = std::array::from_fn(|a| self.directions[a].map(|x| x * self.spacing[a]));
-        Affine::from_steps(self.position([0.5; 3]), steps).expect("a frame has finite steps at right angles")
+        let origin = self.position([0.5; 3]);
+        let step = |a: usize, i: usize| self.directions[a][i] * self.spacing[a];
+        Affine::of_frame(std::array::from_fn(|i| [step(0, i), step(1, i), step(2, i), origin[i]]))
     }
 
     /// Volume of a voxel, in length^3.

@@ -106,18 +106,11 @@ struct Out<'a> {
 impl Out<'_> {
     /// The nodes of an element, as `int`.
     #[inline]
-    fn element(
-        &mut self,
-        source: &mut Source,
-        (kind, nodes): (Kind, usize),
-        part: Option<i64>,
-    ) -> Result<(), Fault> {
-        self.corners.clear();
-        for _ in 0..nodes {
-            let tag = source.int("an element's node")?;
-            self.push(source, u64::try_from(tag).unwrap_or(u64::MAX))?;
-        }
-        self.cells.push(kind, &self.corners, part).map_err(|reason| source.fault(reason))
+    fn element(&mut self, source: &mut Source, kind: (Kind, usize), part: Option<i64>) -> Result<(), Fault> {
+        let tag = |source: &mut Source| {
+            source.int("an element's node").map(|tag| u64::try_from(tag).unwrap_or(u64::MAX))
+        };
+        self.element_of(source, kind, part, tag)
     }
 
     /// The same, as `size_t`.
@@ -125,12 +118,23 @@ impl Out<'_> {
     fn element_41(
         &mut self,
         source: &mut Source,
+        kind: (Kind, usize),
+        part: Option<i64>,
+    ) -> Result<(), Fault> {
+        self.element_of(source, kind, part, |source| source.size("an element's node"))
+    }
+
+    #[inline]
+    fn element_of(
+        &mut self,
+        source: &mut Source,
         (kind, nodes): (Kind, usize),
         part: Option<i64>,
+        tag: impl Fn(&mut Source) -> Result<u64, Fault>,
     ) -> Result<(), Fault> {
         self.corners.clear();
         for _ in 0..nodes {
-            let tag = source.size("an element's node")?;
+            let tag = tag(source)?;
             self.push(source, tag)?;
         }
         self.cells.push(kind, &self.corners, part).map_err(|reason| source.fault(reason))
