@@ -9,13 +9,14 @@ use crate::{ComponentTree, Selection, TreeError, Volumes};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PoolParameters {
     /// A region is a duplicate, and dropped, if its overlap with a kept one, vol(A and B) / vol(A or B), is
-    /// this or more. 0 to 1; anything above 1 keeps all. Default 0.8.
+    /// this or more. 0 to 1; anything above 1 keeps all. Default 0.9: below it, which of two regions is dropped
+    /// differs from pose to pose.
     pub duplicate_overlap: f64,
 }
 
 impl Default for PoolParameters {
     fn default() -> Self {
-        Self { duplicate_overlap: 0.8 }
+        Self { duplicate_overlap: 0.9 }
     }
 }
 

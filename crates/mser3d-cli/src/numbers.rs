@@ -15,6 +15,12 @@ pub fn positive(text: &str) -> Result<f64, String> {
     (value.is_finite() && value > 0.0).then_some(value).ok_or("must be positive and finite".into())
 }
 
+/// A number that is not below zero.
+pub fn zero_or_more(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number")?;
+    (value.is_finite() && value >= 0.0).then_some(value).ok_or("must be finite and 0 or more".into())
+}
+
 /// A number from 0 to 1.
 pub fn fraction(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "not a number")?;

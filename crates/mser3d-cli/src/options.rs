@@ -14,7 +14,7 @@ use mser3d_results::{ShapeFile, ShapeOptions};
 
 use crate::choice::choice;
 use crate::error::CliError;
-use crate::numbers::{count, fraction, positive};
+use crate::numbers::{count, fraction, positive, zero_or_more};
 use crate::volume_options::VolumeOptions;
 use crate::voxel_options::VoxelOptions;
 
@@ -86,6 +86,9 @@ pub struct RegionOptions {
     #[arg(long, value_name = "D", value_parser = positive, default_value_t = StabilityParameters::default().window,
           help_heading = "Regions")]
     pub window: f64,
+    /// Least lifetime of a part, in units of (log) altitude [default: 0.1; with linear altitude 0]
+    #[arg(long, value_name = "D", value_parser = zero_or_more, help_heading = "Regions")]
+    pub min_lifetime: Option<f64>,
     /// Scale on which altitude, and so stability, is measured
     #[arg(long, value_parser = choice::<AltitudeScale>(),
           default_value_t = StabilityParameters::default().altitude, help_heading = "Regions")]
@@ -149,6 +152,7 @@ impl RegionOptions {
             stability: StabilityParameters {
                 rule: self.stability_rule,
                 window: self.window,
+                min_lifetime: self.min_lifetime,
                 altitude: self.altitude,
                 min_volume_fraction: self.min_volume,
                 max_volume_fraction: self.max_volume,

@@ -4,6 +4,7 @@ use crate::describe::describe_with;
 use crate::features::{Found, FoundOnBody};
 use crate::input::Prepared;
 use crate::progress::{NO_PROGRESS, Progress, ProgressFn, Stage, report};
+use crate::reliability;
 use crate::run_report::Clock;
 use crate::{Body, DiscreteShape, Error, Features, Input, Parameters, RegionSet, Warning, find_regions};
 
@@ -69,7 +70,8 @@ impl<'a> Detector<'a> {
         if let Input::Volume(_) = input {
             report(*progress, Stage::Voxelize, 0, 1)?;
         }
-        let Prepared { shape, bodies, voxelization, mut warnings } = input.prepare(parameters, *progress)?;
+        let Prepared { shape, bodies, voxelization, mut warnings } =
+            input.clone().prepare(parameters, *progress)?;
         if let Some(voxelization) = &voxelization {
             report(*progress, Stage::Voxelize, 1, 1)?;
             let seconds = clock.lap(Stage::Voxelize);
@@ -106,9 +108,16 @@ impl<'a> Detector<'a> {
             sets.push(find_regions(part(number), &body.basis, parameters, &progress)?);
         }
         let seconds = clock.lap(Stage::Regions);
-        let count = |size: fn(&RegionSet) -> usize| sets.iter().map(size).sum::<usize>();
-        let (regions, trees) = (count(|set| set.regions.len()), count(|set| set.trees.len()));
-        tracing::info!(regions, trees, duplicates = count(|set| set.duplicates), seconds, "found regions");
+        let count = |sets: &[RegionSet]| sets.iter().map(|set| set.regions.len()).sum::<usize>();
+        let trees: usize = sets.iter().map(|set| set.trees.len()).sum();
+        let duplicates: usize = sets.iter().map(|set| set.duplicates).sum();
+        tracing::info!(regions = count(&sets), trees, duplicates, seconds, "found regions");
+
+        if parameters.reliability.deformations > 0 {
+            reliability::measure(&input, &shape, &searched, &mut sets, parameters, *progress)?;
+            let (seconds, copies) = (clock.lap(Stage::Reliability), parameters.reliability.deformations);
+            tracing::info!(copies, regions = count(&sets), seconds, "measured reliability");
+        }
 
         let mut found = Vec::with_capacity(bodies.len());
         for (number, (set, body)) in sets.into_iter().zip(&searched).enumerate() {

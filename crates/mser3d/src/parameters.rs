@@ -4,7 +4,7 @@ use mser3d_shape::InvalidParameter;
 use mser3d_spectral::SpectrumParameters;
 use mser3d_voxelize::VoxelizeParameters;
 
-use crate::{Bodies, Error, Weight};
+use crate::{Bodies, Error, ReliabilityParameters, Weight};
 
 mser3d_shape::choice! {
     /// The kinds of [`Descriptor`].
@@ -89,6 +89,8 @@ pub struct Parameters {
     pub stability: StabilityParameters,
     /// How the regions of several time scales become one set.
     pub pool: PoolParameters,
+    /// How surely regions are found again.
+    pub reliability: ReliabilityParameters,
     /// What describes a region. Default: SI-vHKS and the region's size.
     pub descriptor: Descriptor,
 }
@@ -105,6 +107,7 @@ impl Default for Parameters {
             reference_measure: None,
             stability: StabilityParameters::default(),
             pool: PoolParameters::default(),
+            reliability: ReliabilityParameters::default(),
             descriptor: Descriptor::default(),
         }
     }
@@ -126,6 +129,7 @@ impl Parameters {
         self.spectrum.validate()?;
         self.stability.validate()?;
         self.pool.validate()?;
+        self.reliability.validate()?;
         match &self.descriptor {
             Descriptor::SizedSiHks(parameters) | Descriptor::SiHks(parameters) => parameters.validate()?,
             Descriptor::Hks(parameters) => parameters.validate()?,

@@ -12,6 +12,8 @@ mser3d_shape::choice! {
         Spectrum = "spectrum",
         /// Weights, component trees and their stable regions
         Regions = "regions",
+        /// Deformed copies of the shape, searched for the same regions
+        Reliability = "reliability",
         /// The regions' descriptors
         Descriptors = "descriptors",
     }
@@ -22,7 +24,7 @@ mser3d_shape::choice! {
 pub struct Progress {
     /// The stage under way.
     pub stage: Stage,
-    /// Units of it that are done: eigenpairs, trees, regions. Where several bodies are searched each on its own, a
+    /// Units of it that are done: eigenpairs, trees, copies, regions. Where several bodies are searched each on its own, a
     /// hundredth of a body's.
     pub done: usize,
     /// Units in all.

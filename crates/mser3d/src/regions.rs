@@ -32,6 +32,10 @@ pub struct Region {
     /// The real merge that ends it, if it is the last component before one. Its lifetime is the score to
     /// rank regions by: those that last longest are found again most surely. Regions without a merge rank last.
     pub merge: Option<Merge>,
+    /// How surely it is found again when the body moves: the chance of an overlap of 0.8 on another pose, 0 to 1, as
+    /// measured on deformed copies of the shape ([`ReliabilityParameters`](crate::ReliabilityParameters)). None where it
+    /// was not measured.
+    pub reliability: Option<f64>,
     /// Volume in length^3, or area in length^2.
     pub volume: f64,
     /// Volume over that of its body: of the whole shape, unless bodies are searched each on its own.
@@ -136,6 +140,7 @@ pub fn find_regions(
                 stability: stable.stability,
                 persistence: stable.persistence,
                 merge: stable.merge,
+                reliability: None,
                 volume: region.volume,
                 volume_fraction: region.volume / measure,
                 vertices: vertices_in(shape, &region.vertices)?,

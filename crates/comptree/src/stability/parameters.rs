@@ -19,9 +19,15 @@ mser3d_shape::choice! {
         /// window, and no neighbour on the branch, is more stable. The ends of the branch count. Neighbours
         /// that tie are one maximum, represented by the largest.
         ///
-        /// The last node of a branch that a real merge ends is always a candidate: it is where a limb meets
+        /// The last node of a branch that a real merge ends is a candidate too: it is where a limb meets
         /// the body, and how much it grew just before depends on how blunt the limb is, not on whether it is
         /// one. Without it, limbs of some poses are lost to a maximum next to it.
+        ///
+        /// A branch that lasts less than the minimum lifetime is no part. What it began and ended with are one merge;
+        /// or, if it began with none, it is a bump on the part that it joins. On the logarithmic scale a candidate must
+        /// also have a border, sharper than a shape without parts has anywhere: a stability above 0.2 (the corner of a
+        /// solid) before a merge with other parts, and above 0.65 (the end of a rod) elsewhere. So nothing is found on a
+        /// ball, a brick, a torus or a cylinder.
         #[default]
         Windowed = "windowed",
         /// The published rule (eq. 5): change of volume from a node to its parent
@@ -58,9 +64,13 @@ pub struct StabilityParameters {
     /// How stability is measured. Default: windowed.
     pub rule: StabilityRule,
     /// Half the width of the window of [`StabilityRule::Windowed`], in units of the altitude on its scale
-    /// (for [`AltitudeScale::Log`] a factor of e^window). The other rules have no window. Default 0.2;
-    /// 0.05 finds more and finer regions.
+    /// (for [`AltitudeScale::Log`] a factor of e^window). The other rules have no window. Default 0.3;
+    /// 0.1 finds more and finer regions.
     pub window: f64,
+    /// Least lifetime of a part, in units of the altitude on its scale; only in [`StabilityRule::Windowed`]. Default:
+    /// none given, which is 0.1 for [`AltitudeScale::Log`] and 0 for [`AltitudeScale::Linear`], whose unit is that of the
+    /// weight.
+    pub min_lifetime: Option<f64>,
     /// On which scale altitude is measured. Default: logarithmic.
     pub altitude: AltitudeScale,
     /// Smallest volume of a region as a fraction of the total, 0 to 1. Default 0.01.
@@ -80,7 +90,8 @@ impl Default for StabilityParameters {
     fn default() -> Self {
         Self {
             rule: StabilityRule::Windowed,
-            window: 0.2,
+            window: 0.3,
+            min_lifetime: None,
             altitude: AltitudeScale::Log,
             min_volume_fraction: 0.01,
             max_volume_fraction: 0.75,
@@ -92,6 +103,14 @@ impl Default for StabilityParameters {
 }
 
 impl StabilityParameters {
+    /// The least lifetime of a part: as given, or the default of the scale.
+    pub fn min_lifetime(&self) -> f64 {
+        self.min_lifetime.unwrap_or(match self.altitude {
+            AltitudeScale::Log => 0.1,
+            AltitudeScale::Linear => 0.0,
+        })
+    }
+
     /// Checks every range.
     ///
     /// # Errors
@@ -104,6 +123,8 @@ impl StabilityParameters {
         if self.rule == StabilityRule::Windowed {
             unless(positive(self.window), "window", self.window, "positive and finite")?;
         }
+        let lifetime = self.min_lifetime();
+        unless(lifetime >= 0.0, "min_lifetime", lifetime, "0 or more")?;
         unless(fraction(smallest), "min_volume_fraction", smallest, "between 0 and 1")?;
         unless(largest >= 0.0, "max_volume_fraction", largest, "0 or more")?;
         let expected = format!("at most max_volume_fraction ({largest}), or no region has such a size");

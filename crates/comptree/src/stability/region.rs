@@ -46,8 +46,8 @@ pub struct StableRegion {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Merge {
-    /// How many times larger the merged component is than the region, more than 1. The larger it is, the
-    /// more sharply the region is cut off; of nearly equal regions [`pool`](crate::pool()) keeps the one
+    /// How many times larger the merged component is than the region, more than 1. Merges that follow each other within
+    /// the minimum lifetime are one. The larger it is, the more sharply the region is cut off; of nearly equal regions [`pool`](crate::pool()) keeps the one
     /// with the largest growth.
     pub growth: f64,
     /// How long the part lasts: the difference of level from the start of its branch (a real merge, or where
@@ -76,8 +76,11 @@ pub struct SelectionReport {
     /// Nodes of the tree.
     pub nodes: usize,
     /// Nodes that were local maxima of stability (in [`StabilityRule::Baseline`]: that had a larger parent).
-    /// The windowed rule follows branches down to half of the minimum volume only.
+    /// The windowed rule follows branches down to half of the minimum volume only, and leaves out those that are no parts.
     pub candidates: usize,
+    /// Candidates without a border that is sharper than that of a shape without parts; only in
+    /// [`StabilityRule::Windowed`].
+    pub blunt: usize,
     /// Candidates below the minimum volume.
     pub too_small: usize,
     /// Candidates above the maximum volume.

@@ -25,13 +25,17 @@ pub fn stable_regions(
     let smallest = parameters.min_volume_fraction * total;
     let largest = parameters.max_volume_fraction * total;
     let levels = Levels { tree, scale: parameters.altitude };
-    let mut candidates = match parameters.rule {
-        StabilityRule::Windowed => windowed::maxima(&levels, parameters.window, smallest),
-        StabilityRule::Paper => pointwise::maxima(&levels),
-        StabilityRule::Baseline => pointwise::with_larger_parent(tree, parameters.min_diversity),
+    let (mut candidates, blunt) = match parameters.rule {
+        StabilityRule::Windowed => windowed::maxima(&levels, parameters, smallest),
+        StabilityRule::Paper => (pointwise::maxima(&levels), 0),
+        StabilityRule::Baseline => (pointwise::with_larger_parent(tree, parameters.min_diversity), 0),
     };
-    let mut report =
-        SelectionReport { nodes: tree.len(), candidates: candidates.len(), ..Default::default() };
+    let mut report = SelectionReport {
+        nodes: tree.len(),
+        candidates: candidates.len() + blunt,
+        blunt,
+        ..Default::default()
+    };
     let mut filter = |removed: &mut usize, keep: &dyn Fn(&Candidate) -> bool| {
         let before = candidates.len();
         candidates.retain(keep);
@@ -63,7 +67,7 @@ pub fn stability(tree: &ComponentTree, parameters: &StabilityParameters) -> Resu
     let levels = Levels { tree, scale: parameters.altitude };
     Ok(match parameters.rule {
         StabilityRule::Windowed => {
-            windowed::stability(&levels, parameters.window, parameters.min_volume_fraction * total)
+            windowed::stability(&levels, parameters, parameters.min_volume_fraction * total)
         }
         StabilityRule::Paper => {
             (0..tree.len() as u32).map(|node| pointwise::stability(&levels, node)).collect()

@@ -8,6 +8,7 @@ mod example;
 mod higra;
 mod msv;
 mod names;
+mod parts;
 mod selection;
 mod vlfeat;
 

@@ -183,7 +183,8 @@ fn filters_are_honoured_and_counted() {
         };
         let Selection { regions, report, .. } = stable_regions(&tree, &parameters).unwrap();
         assert_eq!(report.nodes, tree.len());
-        let removed = report.too_small + report.too_large + report.unstable + report.overlapping;
+        let removed =
+            report.blunt + report.too_small + report.too_large + report.unstable + report.overlapping;
         assert_eq!(report.candidates, removed + report.kept);
         assert_eq!(report.kept, regions.len());
         assert!(!regions.is_empty(), "{rule:?}");

@@ -384,7 +384,7 @@ fn seams_of_a_real_figure_change_nothing() {
     let detect = |mesh| Detector::default().detect(Input::Surface(mesh)).unwrap();
     let features = detect(&welded);
     let expected = positions(&features, &welded);
-    assert_eq!((expected.len(), features.warnings.len()), (11, 0));
+    assert_eq!((expected.len(), features.warnings.len()), (9, 0));
     for (mesh, merged) in [(&seams, 170), (&split, 18768)] {
         let features = detect(mesh);
         assert_eq!(features.warnings, [Warning::MergedVertices { vertices: merged }]);

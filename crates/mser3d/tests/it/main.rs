@@ -4,6 +4,7 @@
 mod example;
 
 mod bodies;
+mod without_parts;
 
 use std::ops::ControlFlow;
 use std::sync::Mutex;
@@ -62,6 +63,7 @@ fn parameters() -> Parameters {
     let mut parameters = Parameters::default();
     parameters.voxelize.pitch = Pitch::Voxels(3000);
     parameters.spectrum.eigenpairs = 30.into();
+    parameters.reliability.deformations = 0;
     parameters
 }
 
@@ -145,7 +147,9 @@ fn progress_goes_through_the_stages_and_can_cancel_in_each() {
         heard.lock().unwrap().push(p);
         ControlFlow::Continue(())
     };
-    Detector::new(parameters()).with_progress(&hear).detect(Input::Volume(&mesh)).unwrap();
+    let mut parameters = parameters();
+    parameters.reliability.deformations = 3;
+    Detector::new(parameters.clone()).with_progress(&hear).detect(Input::Volume(&mesh)).unwrap();
     let heard = heard.into_inner().unwrap();
     assert!(heard.is_sorted_by_key(|p| (p.stage as usize, p.done)), "{heard:?}");
     assert!(heard.iter().all(|p| p.done <= p.total));
@@ -155,7 +159,7 @@ fn progress_goes_through_the_stages_and_can_cancel_in_each() {
             Ok(_) => ControlFlow::Continue(()),
             Err(_) => ControlFlow::Break(()),
         };
-        let result = Detector::new(parameters()).with_progress(&stop).detect(Input::Volume(&mesh));
+        let result = Detector::new(parameters.clone()).with_progress(&stop).detect(Input::Volume(&mesh));
         assert_eq!(result.err(), Some(Error::Cancelled), "after {calls} calls");
     }
 }

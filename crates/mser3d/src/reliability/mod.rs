@@ -1,0 +1,206 @@
+//! How surely regions are found again: not in the paper.
+mod deformed;
+mod warp;
+
+use std::sync::Mutex;
+
+use mser3d_shape::InvalidParameter;
+use mser3d_spectral::{EigenpairRange, SpectrumParameters};
+use rayon::prelude::*;
+
+use crate::progress::{Progress, ProgressFn, Stage, report};
+use crate::{Body, DiscreteShape, Error, Input, Parameters, Region, RegionSet, find_regions};
+use deformed::{Deformed, Original};
+
+/// How the reliability of regions is measured, and which of them are kept.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ReliabilityParameters {
+    /// How many deformed copies of the shape are searched. 0 measures nothing. Default 6.
+    pub deformations: usize,
+    /// How far each of the six waves of a deformation moves the shape, over the diagonal of its box. Default 0.02.
+    pub amplitude: f64,
+    /// What the random deformations depend on.
+    pub seed: u64,
+    /// Regions that are less reliable are dropped, 0 to 1. Default: none.
+    pub min_reliability: Option<f64>,
+}
+
+impl Default for ReliabilityParameters {
+    fn default() -> Self {
+        Self { deformations: 6, amplitude: 0.02, seed: 1, min_reliability: None }
+    }
+}
+
+impl ReliabilityParameters {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// [`Error::InvalidParameter`] for the first value out of its range.
+    pub fn validate(&self) -> Result<(), Error> {
+        let unless = InvalidParameter::unless;
+        let amplitude = self.amplitude;
+        unless(
+            amplitude > 0.0 && amplitude <= 0.1,
+            "reliability.amplitude",
+            amplitude,
+            "above 0, at most 0.1",
+        )?;
+        let least = self.min_reliability.unwrap_or(0.0);
+        unless((0.0..=1.0).contains(&least), "min_reliability", least, "between 0 and 1")?;
+        let asked = self.min_reliability.is_none() || self.deformations > 0;
+        unless(asked, "reliability.deformations", 0.0, "at least 1, as a least reliability is asked for")?;
+        Ok(())
+    }
+}
+
+/// What heat a copy's spectrum leaves out, relatively: exp(-LEFT_OUT) at the shortest time.
+const LEFT_OUT: f64 = 9.2;
+
+/// The tolerance of a copy's eigenpairs.
+const TOLERANCE: f64 = 1e-4;
+
+/// The chance that a region is found again at an overlap of 0.8 on another pose, from its mean best overlap on deformed
+/// copies and from whether a real merge ends it: `1 / (1 + exp(-(BIAS + OVERLAP x + MERGE [merge])))`.
+///
+/// Fitted by `cargo xtask reliability` to all sets of poses, which docs/results/reliability.md shows.
+const BIAS: f64 = -3.0;
+const OVERLAP: f64 = 5.0;
+const MERGE: f64 = 2.0;
+
+impl Region {
+    /// Its reliability, from its mean best overlap with the regions of deformed copies.
+    fn reliability_of(&self, overlap: f64) -> f64 {
+        let merge = if self.merge.is_some() { MERGE } else { 0.0 };
+        1.0 / (1.0 + (-(BIAS + OVERLAP * overlap + merge)).exp())
+    }
+}
+
+/// Measures the reliability of regions, and drops those below the minimum.
+///
+/// The shape is deformed at random and searched again as often as asked, with the eigenpairs that its times need. `sets`
+/// holds the regions of each body, with the elements numbered as in the body.
+pub(crate) fn measure(
+    input: &Input,
+    shape: &DiscreteShape,
+    bodies: &[Body],
+    sets: &mut [RegionSet],
+    parameters: &Parameters,
+    progress: ProgressFn,
+) -> Result<(), Error> {
+    let own = &parameters.reliability;
+    let Some(original) = Original::of(input).filter(|_| own.deformations > 0) else { return Ok(()) };
+    let total = own.deformations;
+    report(progress, Stage::Reliability, 0, total)?;
+    let elements: Vec<Vec<u32>> = sets
+        .iter()
+        .zip(bodies)
+        .flat_map(|(set, body)| set.regions.iter().map(|r| in_shape(&r.elements, &body.elements)))
+        .collect();
+    let members: Vec<&[u32]> = elements.iter().map(Vec::as_slice).collect();
+    let spectra: Vec<SpectrumParameters> = bodies.iter().map(|body| spectrum(body, parameters)).collect();
+    let done = Mutex::new(0);
+    // As far as it was told before, whatever the stage within a copy.
+    let goes_on = |_: Progress| progress(Progress { stage: Stage::Reliability, done: *lock(&done), total });
+    let search = |number: u64| -> Result<Vec<f64>, Error> {
+        let overlaps = original
+            .deform(shape, parameters, own.amplitude, own.seed.wrapping_mul(1 << 20).wrapping_add(number))
+            .and_then(|copy| overlaps(&copy, &members, &spectra, parameters, &goes_on));
+        let mut done = lock(&done);
+        *done += 1;
+        report(progress, Stage::Reliability, *done, total)?;
+        // In a copy without a solid nothing is found again.
+        match overlaps {
+            Err(Error::Cancelled) => Err(Error::Cancelled),
+            other => Ok(other.unwrap_or_else(|_| vec![0.0; members.len()])),
+        }
+    };
+    let found: Vec<Vec<f64>> = (0..total as u64).into_par_iter().map(search).collect::<Result<_, Error>>()?;
+    let mut mean = (0..members.len()).map(|i| found.iter().map(|f| f[i]).sum::<f64>() / total as f64);
+    for set in sets {
+        for region in &mut set.regions {
+            region.reliability = mean.next().map(|overlap| region.reliability_of(overlap));
+        }
+        if let Some(least) = own.min_reliability {
+            keep(&mut set.regions, |region| region.reliability.is_none_or(|r| r >= least));
+        }
+    }
+    Ok(())
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+}
+
+/// Elements of a body as elements of the shape.
+fn in_shape(elements: &[u32], body: &[u32]) -> Vec<u32> {
+    elements.iter().map(|&e| body[e as usize]).collect()
+}
+
+/// The eigenpairs that a copy of a body needs: where every weight has a time, those that matter at the shortest.
+fn spectrum(body: &Body, parameters: &Parameters) -> SpectrumParameters {
+    let eigenvalues = body.basis.eigenvalues();
+    let measure = body.basis.measure();
+    let unit = parameters
+        .reference_measure
+        .unwrap_or(measure)
+        .powf(2.0 / f64::from(body.basis.domain().dimension()));
+    let times = parameters.time_scales.iter().filter_map(|scale| scale.with_unit(unit).ok());
+    let shortest = times.fold(f64::INFINITY, f64::min);
+    let needed = if parameters.weight.has_time_scale() {
+        // Two more, as the copy's differ.
+        2 + eigenvalues.iter().filter(|&&lambda| lambda * shortest < LEFT_OUT).count()
+    } else {
+        eigenvalues.len()
+    };
+    SpectrumParameters {
+        eigenpairs: EigenpairRange::AtMost(needed.min(eigenvalues.len())),
+        tolerance: TOLERANCE.max(parameters.spectrum.tolerance),
+        ..parameters.spectrum.clone()
+    }
+}
+
+/// The best overlap of each region with one of the copy.
+fn overlaps(
+    copy: &Deformed,
+    regions: &[&[u32]],
+    spectra: &[SpectrumParameters],
+    parameters: &Parameters,
+    progress: ProgressFn,
+) -> Result<Vec<f64>, Error> {
+    let (shape, bodies) = (&copy.prepared.shape, &copy.prepared.bodies);
+    let parts = if bodies.len() > 1 { shape.split(bodies)? } else { Vec::new() };
+    let mut found = Vec::new();
+    for (body, elements) in bodies.iter().enumerate() {
+        let part = parts.get(body).unwrap_or(shape);
+        let Some(wanted) = spectra.get(body).or(spectra.last()) else { continue };
+        let basis = part.spectrum(wanted, progress)?.basis;
+        let regions = find_regions(part, &basis, parameters, progress)?.regions;
+        found.extend(regions.iter().map(|region| in_shape(&region.elements, elements)));
+    }
+    copy.best_overlaps(regions, &found)
+}
+
+/// Drops regions; what they contained belongs to what contained them.
+fn keep(regions: &mut Vec<Region>, kept: impl Fn(&Region) -> bool) {
+    let mut place = Vec::with_capacity(regions.len());
+    let mut next = 0;
+    // Parents come first.
+    for region in regions.iter() {
+        let parent = region.parent.and_then(|p: usize| place[p]);
+        place.push(if kept(region) {
+            next += 1;
+            Some(next - 1)
+        } else {
+            parent
+        });
+    }
+    let parents: Vec<Option<usize>> =
+        regions.iter().map(|region| region.parent.and_then(|p| place[p])).collect();
+    let mut parents = parents.into_iter();
+    regions.retain_mut(|region| {
+        region.parent = parents.next().flatten();
+        kept(region)
+    });
+}
