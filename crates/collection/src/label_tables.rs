@@ -59,7 +59,7 @@ pub(crate) fn write(
     write_text(&folder.join(LABELS), &labels.0)?;
 
     let mut regions = Csv::new(
-        "map_value,path,volume_number,label,name,shape,region,parent,voxels,volume,volume_fraction,x,y,z,tip_x,tip_y,tip_z,\
+        "map_value,path,volume_number,label,name,shape,region,parent,reliability,voxels,volume,volume_fraction,x,y,z,tip_x,tip_y,tip_z,\
          box_x,box_y,box_z,box_size_1,box_size_2,box_size_3,axis_1_x,axis_1_y,axis_1_z,axis_2_x,axis_2_y,axis_2_z,\
          axis_3_x,axis_3_y,axis_3_z",
     );
@@ -77,6 +77,7 @@ pub(crate) fn write(
                 text(name),
                 region.id.to_string(),
                 optional(region.parent),
+                optional(region.reliability),
                 optional(region.voxels),
                 region.volume.to_string(),
                 region.volume_fraction.to_string(),

@@ -156,7 +156,8 @@ struct Rows {
     parent: Vec<Option<i32>>,
     tree: Vec<i32>,
     altitude: Vec<f64>,
-    stability: Vec<f64>,
+    stability: Vec<Option<f64>>,
+    reliability: Vec<Option<f64>>,
     volume: Vec<f64>,
     volume_fraction: Vec<f64>,
     region_voxels: Vec<Option<i32>>,
@@ -190,7 +191,8 @@ impl Rows {
             self.parent.push(region.parent.map(|p| p as i32));
             self.tree.push(region.tree as i32);
             self.altitude.push(region.altitude);
-            self.stability.push(region.stability);
+            self.stability.push(Some(region.stability).filter(|s| s.is_finite()));
+            self.reliability.push(region.reliability);
             self.volume.push(region.volume);
             self.volume_fraction.push(region.volume_fraction);
             self.region_voxels.push(region.voxels.and_then(|n| i32::try_from(n).ok()));
@@ -210,7 +212,8 @@ impl Rows {
             ("parent", Column::OptionalInteger(self.parent)),
             ("tree", Column::Integer(self.tree)),
             ("altitude", Column::Number(self.altitude)),
-            ("stability", Column::Number(self.stability)),
+            ("stability", Column::OptionalNumber(self.stability)),
+            ("reliability", Column::OptionalNumber(self.reliability)),
             ("volume", Column::Number(self.volume)),
             ("volume_fraction", Column::Number(self.volume_fraction)),
             ("voxels", Column::OptionalInteger(self.region_voxels)),

@@ -7,7 +7,7 @@ use mser3d::comptree::{AltitudeScale, Polarity, PoolParameters, StabilityParamet
 use mser3d::descriptors::TimeScale;
 use mser3d::shape::Domain;
 use mser3d::spectral::{EigenpairRange, Eigensolver, SpectrumParameters};
-use mser3d::{Bodies, DescriptorKind, Parameters, Weight, available_memory};
+use mser3d::{Bodies, DescriptorKind, Parameters, ReliabilityParameters, Weight, available_memory};
 use mser3d_collection::SpectrumCache;
 use mser3d_meshio::ReadOptions;
 use mser3d_results::{ShapeFile, ShapeOptions};
@@ -112,6 +112,13 @@ pub struct RegionOptions {
     #[arg(long, value_name = "F", value_parser = fraction,
           default_value_t = PoolParameters::default().duplicate_overlap, help_heading = "Regions")]
     pub duplicate_overlap: f64,
+    /// Deformed copies of the shape that are searched, to measure how surely each region is found again; 0 for none
+    #[arg(long, value_name = "N", default_value_t = ReliabilityParameters::default().deformations,
+          help_heading = "Regions")]
+    pub reliability: usize,
+    /// Drop regions that are found again less surely, 0 to 1
+    #[arg(long, value_name = "P", value_parser = fraction, help_heading = "Regions")]
+    pub min_reliability: Option<f64>,
     /// Heat kernel signature that describes a region
     #[arg(long, value_parser = choice::<DescriptorKind>(), default_value_t = DescriptorKind::default(),
           help_heading = "Regions")]
@@ -161,6 +168,11 @@ impl RegionOptions {
                 ..StabilityParameters::default()
             },
             pool: PoolParameters { duplicate_overlap: self.duplicate_overlap },
+            reliability: ReliabilityParameters {
+                deformations: self.reliability,
+                min_reliability: self.min_reliability,
+                ..ReliabilityParameters::default()
+            },
             descriptor: self.descriptor.into(),
         };
         parameters.validate().map_err(|e| CliError::Usage(format!("wrong parameter: {e}")))?;

@@ -9,21 +9,27 @@ pub fn regions(features: &Features, folder: &Path) -> String {
         Domain::Volume => "voxels",
         Domain::Surface => "vertices",
     };
-    let mut text = format!(" id  parent  measure %  {elements:>8}  stability  time scale  centroid\n");
-    for (id, region) in features.regions.iter().enumerate() {
+    let mut text =
+        format!(" id  parent  measure %  {elements:>8}  stability  reliability  time scale  centroid\n");
+    let or_dash = |number: Option<f64>, digits: usize| {
+        number.filter(|x| x.is_finite()).map_or("-".into(), |x| format!("{x:.digits$}"))
+    };
+    for id in features.ranked() {
+        let region = &features.regions[id];
         let parent = region.parent.map_or("-".into(), |p| p.to_string());
         let scale = features.trees[region.tree].time_scale.map_or("-".into(), |scale| scale.to_string());
         let [x, y, z] = region.centroid;
         text += &format!(
-            "{id:>3}  {parent:>6}  {:>9.2}  {:>8}  {:>9.3}  {scale:>10}  ({x:.4}, {y:.4}, {z:.4})\n",
+            "{id:>3}  {parent:>6}  {:>9.2}  {:>8}  {:>9}  {:>11}  {scale:>10}  ({x:.4}, {y:.4}, {z:.4})\n",
             100.0 * region.volume_fraction,
             region.elements.len(),
-            region.stability,
+            or_dash(Some(region.stability), 3),
+            or_dash(region.reliability, 2),
         );
     }
     if features.regions.is_empty() {
         text += "no stable regions: a shape without parts (a ball) has none; else try --min-volume 0.005, \
-                 --window 0.05 or other --time-scale\n";
+                 --window 0.1 or other --time-scale\n";
     }
     let (count, size) = (features.regions.len(), features.shape.len());
     text + &format!("{count} regions in {size} {elements}; written to {}\n", folder.display())

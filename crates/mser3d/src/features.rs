@@ -71,6 +71,21 @@ impl Features {
         nodes
     }
 
+    /// The places of the regions in [`regions`](Self::regions), the most reliable first. Where reliability was not
+    /// measured, those that a real merge ends come first, the longest lifetime first, then the others by volume.
+    pub fn ranked(&self) -> Vec<usize> {
+        let rank = |region: &Region| {
+            let lifetime = region.merge.map_or(f64::NEG_INFINITY, |merge| merge.lifetime);
+            (region.reliability.unwrap_or(0.0), lifetime)
+        };
+        let mut order: Vec<usize> = (0..self.regions.len()).collect();
+        order.sort_by(|&a, &b| {
+            let (a, b) = (rank(&self.regions[a]), rank(&self.regions[b]));
+            b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1))
+        });
+        order
+    }
+
     /// The innermost region of each voxel or surface vertex.
     pub fn region_of_element(&self) -> Vec<Option<u32>> {
         innermost_regions(self.shape.len(), self.regions.iter().map(|r| &r.elements))

@@ -175,6 +175,7 @@ impl Results {
             parent: r.parent,
             altitude: r.altitude,
             stability: r.stability,
+            reliability: r.reliability,
             volume: r.volume,
             volume_fraction: r.volume_fraction,
             vertices: &self.region_vertices[id],

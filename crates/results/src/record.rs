@@ -221,6 +221,9 @@ pub struct RegionRecord {
     #[serde(with = "stability")]
     #[cfg_attr(feature = "schema", schemars(with = "stability::Stability"))]
     pub stability: f64,
+    /// How surely it is found again when the body moves, 0 to 1: see [`mser3d::Region::reliability`]. None where it was not
+    /// measured.
+    pub reliability: Option<f64>,
     /// How long it lasts before the real merge that ends it, in altitude (by default its logarithm); none where no merge does.
     pub lifetime: Option<f64>,
     /// Volume in length^3, or area in length^2.
@@ -269,6 +272,7 @@ impl Record {
             tree: r.tree as u32,
             altitude: r.altitude,
             stability: r.stability,
+            reliability: r.reliability,
             lifetime: r.merge.map(|merge| merge.lifetime),
             volume: r.volume,
             volume_fraction: r.volume_fraction,
@@ -411,6 +415,7 @@ mod tests {
             tree: 0,
             altitude: 0.5,
             stability: 2.5,
+            reliability: Some(0.75),
             lifetime: Some(0.5),
             volume: 1.0,
             volume_fraction: 0.1,

@@ -33,7 +33,7 @@ const hasBit = (set, i) => (set[i >> 3] >> (i & 7)) & 1;
 
 // Four significant digits, without needless zeros; null stands for infinity.
 function show(x) {
-  if (x === null || x === undefined) return "∞";
+  if (x === null || x === undefined) return "–";
   if (x === 0) return "0";
   const size = Math.abs(x);
   return size >= 1e5 || size < 1e-3 ? x.toExponential(3) : String(Number(x.toPrecision(4)));

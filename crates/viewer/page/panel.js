@@ -25,7 +25,7 @@ class Panel {
     const tables = document.getElementById("tables");
     this.rows = data.shapes.map((shape, s) => {
       const rows = shape.regions.map((region, id) => this.row(shape, s, region, id, actions));
-      const heads = ["id", data.matches.length ? "match" : null, "volume", "stability", "altitude"];
+      const heads = ["id", data.matches.length ? "match" : null, "volume", "reliability", "stability", "altitude"];
       const head = heads.filter(Boolean).map((name) => element("th", { scope: "col" }, name));
       const table = element("table", {}, element("thead", {}, element("tr", {}, ...head)));
       if (data.shapes.length > 1) table.prepend(element("caption", {}, shape.name));
@@ -51,6 +51,7 @@ class Panel {
     const cells = [
       element("td", {}, swatch(region.colour), button),
       element("td", {}, percent(region.fraction)),
+      element("td", {}, show(region.reliability)),
       element("td", {}, show(region.stability)),
       element("td", {}, show(region.altitude)),
     ];
@@ -93,6 +94,7 @@ class Panel {
     const pairs = [
       ["volume", show(region.volume)],
       ["share", percent(region.fraction)],
+      ["reliability", show(region.reliability)],
       ["stability", show(region.stability)],
       ["altitude", show(region.altitude)],
       ["inside", region.parent === null ? "no other" : this.link(choice.shape, region.parent)],

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::warp::Warp;
 use crate::input::Prepared;
 use crate::progress::NO_PROGRESS;
-use crate::{DiscreteShape, Elements, Error, Input, Parameters};
+use crate::{DiscreteShape, Error, Input, Parameters};
 
 /// What is deformed: the mesh or the mask that a shape was made of.
 #[derive(Clone, Copy)]
@@ -15,14 +15,17 @@ pub(super) enum Original<'a> {
     Solid(&'a VoxelGrid),
 }
 
-/// A deformed copy of a shape, and places that both have.
+/// A deformed copy of a shape, and where the original's elements are in it.
 pub(super) struct Deformed {
     pub prepared: Prepared,
-    /// The element of the original and of the copy at each place, as far as there is one.
-    places: Vec<[Option<u32>; 2]>,
-    /// The area that a place stands for, or the voxel.
-    weights: Vec<f64>,
+    /// The element of the copy that each element of the original became, as far as there is one.
+    became: Vec<Option<u32>>,
+    /// The measure of each element of the original.
+    measures: Vec<f64>,
 }
+
+/// How far, in voxels, an element may be from the voxel that it became.
+const REACH: f64 = 2.0;
 
 impl<'a> Original<'a> {
     /// Nothing where the input is a shape that was made before: what it was made of is not known.
@@ -36,7 +39,7 @@ impl<'a> Original<'a> {
     }
 
     /// The copy that a deformation makes. A mesh is moved, and its solid divided into voxels of the same size. A mask is
-    /// sampled anew on a grid of the same voxels: each is in the copy if the voxel that it came from is in the original.
+    /// sampled anew on the same grid made wider: a voxel is in the copy if what comes to its centre is in the original.
     pub fn deform(
         self,
         shape: &DiscreteShape,
@@ -44,6 +47,9 @@ impl<'a> Original<'a> {
         amplitude: f64,
         number: u64,
     ) -> Result<Deformed, Error> {
+        let bounds = BoundingBox::around(shape.positions().iter().copied())
+            .unwrap_or(BoundingBox { min: [0.0; 3], max: [0.0; 3] });
+        let warp = Warp::new(&bounds, amplitude, number);
         match self {
             Self::Volume(mesh) => {
                 let mut parameters = parameters.clone();
@@ -51,95 +57,91 @@ impl<'a> Original<'a> {
                     parameters.voxelize.pitch = Pitch::Spacing(grid.frame().spacing());
                 }
                 parameters.voxelize.frame = None;
-                let moved = moved(mesh, amplitude, number)?;
-                Deformed::of_mesh(mesh, shape, Input::Volume(&moved).prepare(&parameters, NO_PROGRESS)?)
+                let moved = moved(mesh, &warp)?;
+                Deformed::of_solid(shape, &warp, Input::Volume(&moved).prepare(&parameters, NO_PROGRESS)?)
             }
             Self::Surface(mesh) => {
-                let moved = moved(mesh, amplitude, number)?;
-                Deformed::of_mesh(mesh, shape, Input::Surface(&moved).prepare(parameters, NO_PROGRESS)?)
+                let moved = moved(mesh, &warp)?;
+                Deformed::of_surface(mesh, shape, Input::Surface(&moved).prepare(parameters, NO_PROGRESS)?)
             }
-            Self::Solid(grid) => Deformed::of_solid(grid, shape, parameters, amplitude, number),
+            Self::Solid(grid) => {
+                let solid = sampled(grid, &warp)?;
+                Deformed::of_solid(shape, &warp, Input::Solid(&solid).prepare(parameters, NO_PROGRESS)?)
+            }
         }
     }
 }
 
-fn moved(mesh: &TriangleMesh, amplitude: f64, number: u64) -> Result<TriangleMesh, Error> {
-    let Some(bounds) = mesh.bounding_box() else { return Ok(mesh.clone()) };
-    let warp = Warp::new(&bounds, amplitude, number);
+fn moved(mesh: &TriangleMesh, warp: &Warp) -> Result<TriangleMesh, Error> {
     let vertices = mesh.vertices().iter().map(|&p| warp.apply(p)).collect();
     Ok(TriangleMesh::new(vertices, mesh.triangles().to_vec())?)
 }
 
+/// The solid of all places that come from a voxel of another one.
+fn sampled(grid: &VoxelGrid, warp: &Warp) -> Result<VoxelGrid, Error> {
+    let frame = grid.frame();
+    let margin = frame.spacing().map(|h| (warp.reach() / h).ceil() as u32 + 1);
+    let dims = std::array::from_fn(|a| frame.dims()[a] + 2 * margin[a] as usize);
+    let affine = frame.affine();
+    let wider = Frame::placed(dims, &affine.with_origin(affine.position(margin.map(|n| -f64::from(n)))))?;
+    let is_inside = |voxel: [u32; 3]| {
+        let place = frame.locate(warp.origin_of(wider.centre(voxel)));
+        let in_box = (0..3).all(|a| place[a] >= 0.0 && place[a] < frame.dims()[a] as f64);
+        in_box && grid.occupancy().get(place.map(|x| x as u32))
+    };
+    let layer = |k: u32| -> Vec<[u32; 3]> {
+        let row = |j| (0..dims[0] as u32).map(move |i| [i, j, k]);
+        (0..dims[1] as u32).flat_map(row).filter(|&voxel| is_inside(voxel)).collect()
+    };
+    let layers: Vec<Vec<[u32; 3]>> = (0..dims[2] as u32).into_par_iter().map(layer).collect();
+    let mut occupancy = BitGrid::empty(dims)?;
+    layers.into_iter().flatten().for_each(|voxel| occupancy.set(voxel, true));
+    Ok(VoxelGrid::solid(wider, occupancy)?)
+}
+
 impl Deformed {
-    fn of_mesh(mesh: &TriangleMesh, shape: &DiscreteShape, prepared: Prepared) -> Result<Self, Error> {
+    /// Of a surface: vertex by vertex.
+    fn of_surface(mesh: &TriangleMesh, shape: &DiscreteShape, prepared: Prepared) -> Result<Self, Error> {
+        let (mut became, mut measures) = (vec![None; shape.len()], vec![0.0; shape.len()]);
         let copy = prepared.shape.element_of_vertex();
-        let places = shape.element_of_vertex().iter().zip(copy).map(|(&a, &b)| [a, b]).collect();
-        Ok(Self { places, weights: mesh.vertex_areas(), prepared })
-    }
-
-    fn of_solid(
-        grid: &VoxelGrid,
-        shape: &DiscreteShape,
-        parameters: &Parameters,
-        amplitude: f64,
-        number: u64,
-    ) -> Result<Self, Error> {
-        let frame = grid.frame();
-        let bounds = BoundingBox::around(shape.positions().iter().copied())
-            .unwrap_or(BoundingBox { min: [0.0; 3], max: [0.0; 3] });
-        let warp = Warp::new(&bounds, amplitude, number);
-        let low = frame.spacing().map(|h| (warp.reach() / h).ceil() as u32 + 1);
-        let dims = std::array::from_fn(|a| frame.dims()[a] + 2 * low[a] as usize);
-        let affine = frame.affine();
-        let wider = Frame::placed(dims, &affine.with_origin(affine.position(low.map(|n| -f64::from(n)))))?;
-        let source = |voxel: [u32; 3]| -> Option<[u32; 3]> {
-            let place = frame.locate(warp.apply(wider.centre(voxel)));
-            let inside = (0..3).all(|a| place[a] >= 0.0 && place[a] < frame.dims()[a] as f64);
-            inside.then(|| place.map(|x| x as u32))
-        };
-        let mut occupancy = BitGrid::empty(dims)?;
-        let layers: Vec<Vec<[u32; 3]>> = (0..dims[2] as u32)
-            .into_par_iter()
-            .map(|k| {
-                let row = |j| (0..dims[0] as u32).map(move |i| [i, j, k]);
-                let layer = (0..dims[1] as u32).flat_map(row);
-                layer.filter(|&voxel| source(voxel).is_some_and(|v| grid.occupancy().get(v))).collect()
-            })
-            .collect();
-        layers.into_iter().flatten().for_each(|voxel| occupancy.set(voxel, true));
-        let solid = VoxelGrid::solid(wider, occupancy)?;
-        let prepared = Input::Solid(&solid).prepare(parameters, NO_PROGRESS)?;
-        let original = |voxel| {
-            let voxel = source(voxel)?;
-            shape.grid()?.index(voxel)
-        };
-        let places: Vec<[Option<u32>; 2]> = match prepared.shape.elements() {
-            Elements::Voxels { grid, .. } => {
-                (0u32..).zip(grid.voxels()).map(|(number, voxel)| [original(voxel), Some(number)]).collect()
+        for ((own, other), area) in shape.element_of_vertex().iter().zip(copy).zip(mesh.vertex_areas()) {
+            if let Some(own) = own {
+                became[*own as usize] = became[*own as usize].or(*other);
+                measures[*own as usize] += area;
             }
-            Elements::Vertices { .. } => Vec::new(),
-        };
-        Ok(Self { weights: vec![1.0; places.len()], places, prepared })
+        }
+        Ok(Self { prepared, became, measures })
     }
 
-    /// For each region of the original its best overlap with one of the copy: the weight of the places that both have,
-    /// over that of the places that either has.
+    /// Of a solid: each voxel is moved to the nearest voxel of the copy.
+    fn of_solid(shape: &DiscreteShape, warp: &Warp, prepared: Prepared) -> Result<Self, Error> {
+        let became = match prepared.shape.grid() {
+            None => vec![None; shape.len()],
+            Some(grid) => {
+                let nearest = grid.nearest();
+                let reach = REACH * grid.frame().spacing().into_iter().fold(0.0, f64::max);
+                let voxel =
+                    |&place: &[f64; 3]| nearest.voxel_within(warp.apply(place), reach).map(|found| found.0);
+                shape.positions().par_iter().map(voxel).collect()
+            }
+        };
+        Ok(Self { prepared, became, measures: vec![1.0; shape.len()] })
+    }
+
+    /// For each region of the original its best overlap with one of the copy, both seen on the original: the measure of
+    /// what both have over that of what either has.
     pub fn best_overlaps(&self, original: &[&[u32]], copy: &[Vec<u32>]) -> Result<Vec<f64>, Error> {
-        let copies = copy.iter().map(|members| self.places_of(1, members)).collect::<Result<Vec<_>, _>>()?;
-        let best = |members: &&[u32]| {
-            let own = self.places_of(0, members)?;
-            let overlaps = copies.iter().map(|other| own.overlap(other, &self.weights));
+        let (n, elements) = (self.became.len(), self.prepared.shape.len());
+        let on_original = |region: &Vec<u32>| -> Result<IndexSet, Error> {
+            let region = IndexSet::from_members(elements, region.iter().copied())?;
+            Ok(IndexSet::from_fn(n, |e| self.became[e].is_some_and(|to| region.contains(to as usize))))
+        };
+        let copies = copy.iter().map(on_original).collect::<Result<Vec<_>, _>>()?;
+        let best = |region: &&[u32]| {
+            let region = IndexSet::from_members(n, region.iter().copied())?;
+            let overlaps = copies.iter().map(|other| region.overlap(other, &self.measures));
             Ok(overlaps.fold(0.0, f64::max))
         };
         original.par_iter().map(best).collect()
-    }
-
-    /// The places of a region of the original (side 0) or of the copy (side 1).
-    fn places_of(&self, side: usize, members: &[u32]) -> Result<IndexSet, Error> {
-        let elements = 1 + members.iter().copied().max().map_or(0, |last| last as usize);
-        let region = IndexSet::from_members(elements, members.iter().copied())?;
-        let element = |place: usize| self.places[place][side].map(|element| element as usize);
-        let is_in = |place| element(place).is_some_and(|e| e < elements && region.contains(e));
-        Ok(IndexSet::from_fn(self.places.len(), is_in))
     }
 }

@@ -1,6 +1,6 @@
 use std::f64::consts::TAU;
 
-use mser3d_shape::vector::{Vec3, add, dot, norm, scale};
+use mser3d_shape::vector::{Vec3, add, dot, norm, scale, sub};
 use mser3d_shape::{BoundingBox, SplitMix64};
 
 /// Waves that are added.
@@ -44,6 +44,15 @@ impl Warp {
         self.waves.iter().fold(place, |moved, wave| {
             let height = (dot(wave.wave_vector, place) + wave.phase).sin();
             add(moved, scale(wave.amplitude, height))
+        })
+    }
+
+    /// What comes to a place: the inverse, by ten steps of `p = place - u(p)`. Where the deformation is steep they don't
+    /// settle, and the result is near what comes there.
+    pub fn origin_of(&self, place: Vec3) -> Vec3 {
+        (0..10).fold(place, |origin, _| {
+            let moved = sub(self.apply(origin), origin);
+            sub(place, moved)
         })
     }
 

@@ -4,6 +4,7 @@
 mod example;
 
 mod bodies;
+mod reliability;
 mod without_parts;
 
 use std::ops::ControlFlow;

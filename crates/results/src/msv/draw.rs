@@ -50,6 +50,7 @@ impl MsvResults {
             parent: drawn.parents[id],
             altitude: region.grey,
             stability: 1.0 / region.variation,
+            reliability: None,
             volume: region.volume,
             volume_fraction: region.voxels as f64 / voxels,
             vertices: &drawn.members[id][0],

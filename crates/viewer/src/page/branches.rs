@@ -102,6 +102,7 @@ mod tests {
             parent: None,
             altitude: 0.0,
             stability: 1.0,
+            reliability: None,
             volume: 1.0,
             volume_fraction: 0.1,
             vertices: &[],

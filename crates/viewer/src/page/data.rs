@@ -47,6 +47,8 @@ pub struct PageRegion<'a> {
     pub altitude: f64,
     /// Stability (eq. 5); infinite where nothing changes.
     pub stability: f64,
+    /// How surely it is found again, 0 to 1; none where that was not measured.
+    pub reliability: Option<f64>,
     /// Volume in length^3 (of a surface: area in length^2).
     pub volume: f64,
     /// Share of the whole volume or area.

@@ -175,6 +175,7 @@ fn region_json(region: &PageRegion<'_>, shape: &PageShape<'_>, pack: &mut Pack) 
         "parent": region.parent,
         "altitude": number(region.altitude),
         "stability": number(region.stability),
+        "reliability": region.reliability,
         "volume": number(region.volume),
         "fraction": number(region.volume_fraction),
         "vertices": region.vertices.len(),
