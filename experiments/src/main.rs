@@ -5,6 +5,8 @@
 mod comparisons;
 mod drawing;
 mod experiments;
+mod pose_sets;
+mod repeats;
 mod solved;
 
 use std::process::ExitCode;
@@ -27,7 +29,7 @@ enum Command {
     Bench(comparisons::Arguments),
     /// Make the paper's figures in docs/results again
     Figures(figures::Arguments),
-    /// Score the detector on poses of one figure
+    /// Score the detector on sets of poses and of persons, in a minute
     Poses(poses::Arguments),
     /// Compare choices of weights, time scales and filters on poses
     Selection(selection::Arguments),

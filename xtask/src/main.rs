@@ -44,7 +44,7 @@ enum Command {
     Bench(delegate::Arguments),
     /// Experiments: make the paper's figures in docs/results again
     Figures(delegate::Arguments),
-    /// Experiments: score the detector on poses of one figure
+    /// Experiments: score the detector on sets of poses and of persons, in a minute
     Poses(delegate::Arguments),
     /// Experiments: compare choices of weights, time scales and filters on poses
     Selection(delegate::Arguments),

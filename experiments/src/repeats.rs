@@ -1,4 +1,4 @@
-//! Repeatability between all pairs of poses, of all regions or of the best few.
+//! Repeatability between all ordered pairs of a set's shapes, of all regions or of the best few.
 
 use std::error::Error;
 
@@ -6,7 +6,7 @@ use mser3d::Region;
 use mser3d_evaluation::{Correspondence, DetectedRegions, NullShape, Overlaps};
 use rayon::prelude::*;
 
-/// What a detector found on a pose.
+/// What a detector found on a shape.
 pub struct Found {
     pub regions: Vec<Region>,
     pub detection: DetectedRegions,
@@ -85,6 +85,17 @@ impl Repeats {
         mean(pairs.map(|(a, b, overlaps)| share(overlaps, &best(*a), &best(*b), threshold)))
     }
 
+    /// Of the regions of the second shape of a pair, the share found again on the first, and the share whose nearest
+    /// descriptor is of a region that overlaps above the threshold.
+    pub fn of_pair(&self, found: &[Found], pair: [usize; 2], threshold: f64) -> [f64; 2] {
+        let all = pair.map(|shape| found[shape].best(Score::Volume, usize::MAX));
+        let place = self.pairs.iter().position(|(a, b, _)| [*a, *b] == pair);
+        place.map_or([0.0; 2], |at| {
+            let again = share(&self.pairs[at].2, &all[0], &all[1], threshold);
+            [again, mser3d_evaluation::share_above(&self.matched[at], threshold)]
+        })
+    }
+
     /// Mean share of regions whose nearest descriptor is of a region that overlaps above the threshold.
     pub fn matching(&self, threshold: f64) -> f64 {
         mean(self.matched.iter().map(|m| mser3d_evaluation::share_above(m, threshold)))
@@ -111,4 +122,14 @@ fn share(overlaps: &Overlaps, from: &[usize], to: &[usize], threshold: f64) -> f
 fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0), |(sum, n), x| (sum + x, n + 1));
     sum / f64::from(count.max(1))
+}
+
+/// Mean number of regions of a shape.
+pub fn regions(found: &[Found]) -> f64 {
+    found.iter().map(|f| f.regions.len()).sum::<usize>() as f64 / found.len().max(1) as f64
+}
+
+/// The number of regions of the shape that has fewest.
+pub fn fewest(found: &[Found]) -> usize {
+    found.iter().map(|f| f.regions.len()).min().unwrap_or_default()
 }
