@@ -18,9 +18,9 @@ use crate::solved::{Solved, mesh, stem};
 /// Which sets to use, and how finely.
 #[derive(clap::Args)]
 pub struct SetArguments {
-    /// human, quadruped, makehuman, people, fox or rigged-figure, or a folder with meshes of one vertex order; voxels are
-    /// sized by its first mesh by name, and the left-right symmetry is in symmetry.txt, if there is one [default: all
-    /// six]
+    /// human, quadruped, makehuman, people, fox or rigged-figure; or a glTF file with animations; or a folder with
+    /// meshes of one vertex order, the first by name sizing the voxels, and with the left-right symmetry in symmetry.txt
+    /// if there is one [default: all six]
     #[arg(value_name = "SET")]
     pub sets: Vec<PathBuf>,
     /// Voxels of the first pose of each set, of which the others have the size, and of each person
@@ -116,11 +116,12 @@ impl SetArguments {
     pub fn read(&self) -> Result<Vec<PoseSet>, Box<dyn Error>> {
         let known = |name: &Path| KNOWN.iter().find(|set| Path::new(set.name) == name);
         if !self.sets.is_empty() {
-            return self
-                .sets
-                .iter()
-                .map(|set| known(set).map_or_else(|| PoseSet::folder(set), PoseSet::known))
-                .collect();
+            let read = |set: &PathBuf| match known(set) {
+                Some(set) => PoseSet::known(set),
+                None if set.is_file() => PoseSet::new(stem(set), Kind::Poses, moments(set)?, None),
+                None => PoseSet::folder(set),
+            };
+            return self.sets.iter().map(read).collect();
         }
         let (here, missing): (Vec<&Known>, Vec<&Known>) = KNOWN.iter().partition(|set| set.first().exists());
         for set in missing {
@@ -157,7 +158,7 @@ impl PoseSet {
     fn folder(folder: &Path) -> Result<Self, Box<dyn Error>> {
         let entries = std::fs::read_dir(folder).map_err(|e| {
             let names = KNOWN.map(|set| set.name).join(", ");
-            format!("{}: neither a folder ({e}) nor one of {names}", folder.display())
+            format!("{}: neither one of {names} nor a file or folder ({e})", folder.display())
         })?;
         let mut paths = entries.map(|entry| Ok(entry?.path())).collect::<std::io::Result<Vec<_>>>()?;
         paths.retain(|path| MeshFormat::from_extension(path).is_some());
@@ -217,13 +218,15 @@ impl PoseSet {
         Ok(std::iter::once(first).chain(others).collect())
     }
 
+    /// The volume that times refer to: the first one's, or none, each person's own.
+    pub fn reference_measure(&self, solved: &[Solved]) -> Option<f64> {
+        solved.first().filter(|_| self.kind == Kind::Poses).map(Solved::measure)
+    }
+
     /// What a detector finds on all meshes, poses at the times of the first.
     pub fn detect(&self, solved: &[Solved], parameters: &Parameters) -> Result<Vec<Found>, Box<dyn Error>> {
-        let mut parameters = parameters.clone();
-        parameters.reference_measure = match self.kind {
-            Kind::Poses => solved.first().map(Solved::measure),
-            Kind::Persons => None,
-        };
+        let parameters =
+            Parameters { reference_measure: self.reference_measure(solved), ..parameters.clone() };
         let find = |solved: &Solved| -> Result<Found, String> {
             let regions = solved.regions(&parameters).map_err(|e| e.to_string())?;
             let descriptors = describe(solved.basis(), &regions, &parameters).map_err(|e| e.to_string())?;
@@ -254,4 +257,78 @@ fn moments(path: &Path) -> Result<Vec<(String, TriangleMesh)>, Box<dyn Error>> {
         }
     }
     Ok(poses)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    fn read(sets: &[&Path]) -> Result<Vec<PoseSet>, String> {
+        let sets = sets.iter().map(|set| set.to_path_buf()).collect();
+        SetArguments { sets, voxels: 1000 }.read().map_err(|e| e.to_string())
+    }
+
+    fn tetrahedron(folder: &Path, name: &str, faces: &str) {
+        let text = format!("OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n{faces}\n");
+        fs::write(folder.join(name), text).unwrap();
+    }
+
+    const OUTWARD: &str = "3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2";
+
+    #[test]
+    fn fixtures_are_known_by_name() {
+        let sets = read(&[Path::new("human"), Path::new("quadruped")]).unwrap();
+        let kinds: Vec<_> = sets.iter().map(|s| (&s.name[..], s.kind, s.poses.len())).collect();
+        assert_eq!(kinds, [("human", Kind::Poses, 8), ("quadruped", Kind::Poses, 3)]);
+        assert_eq!(sets[0].poses[5].0, "human_crouch");
+        assert!(sets.iter().all(|set| set.null.mirror().is_some()));
+    }
+
+    #[test]
+    fn persons_share_vertices_and_sides_with_makehuman() {
+        if !in_repository("../shared/data/people").exists() {
+            println!("skipped: ../shared/data/people is not here");
+            return;
+        }
+        let sets = read(&[Path::new("people"), Path::new("makehuman")]).unwrap();
+        assert_eq!((sets[0].kind, sets[0].poses.len()), (Kind::Persons, 4));
+        assert_eq!(sets[0].null.mirror(), sets[1].null.mirror());
+        assert_eq!(sets[0].poses[0], sets[1].poses[0]);
+        assert!(sets[0].poses.iter().all(|(_, mesh)| mesh.triangles() == sets[1].null.mesh().triangles()));
+    }
+
+    #[test]
+    fn animations_are_read_at_three_moments() {
+        let sets = read(&[&in_repository("fixtures/quadruped.glb")]).unwrap();
+        let names: Vec<&str> = sets[0].poses.iter().map(|(name, _)| &name[..]).collect();
+        assert_eq!(names, ["rest", "poses_1_4", "poses_2_4", "poses_3_4"]);
+        // The animation lasts two seconds; its middle is the gallop, which the OFF file rounds to 0.1 mm.
+        let gallop = mesh(&in_repository("fixtures/quadruped_gallop.off")).unwrap();
+        let far = |a: &[f64; 3], b: &[f64; 3]| (0..3).any(|i| (a[i] - b[i]).abs() > 1e-4);
+        let middle = &sets[0].poses[2].1;
+        assert!(!middle.vertices().iter().zip(gallop.vertices()).any(|(a, b)| far(a, b)));
+        assert!(middle.vertices().iter().zip(sets[0].poses[0].1.vertices()).any(|(a, b)| far(a, b)));
+    }
+
+    #[test]
+    fn a_folder_is_a_set_if_its_meshes_are_poses() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path();
+        fs::write(path.join("notes.txt"), "no mesh").unwrap();
+        assert!(read(&[path]).err().unwrap().ends_with("no meshes"));
+        tetrahedron(path, "b.off", OUTWARD);
+        assert!(read(&[path]).err().unwrap().ends_with("only the mesh b; two or more are needed"));
+        tetrahedron(path, "a.off", OUTWARD);
+        let set = read(&[path]).unwrap().remove(0);
+        assert_eq!(set.poses.iter().map(|(name, _)| &name[..]).collect::<Vec<_>>(), ["a", "b"]);
+        assert_eq!(set.null.mirror(), None);
+        fs::write(path.join("symmetry.txt"), "0\n2\n1\n3\n").unwrap();
+        assert_eq!(read(&[path]).unwrap()[0].null.mirror(), Some(&[0, 2, 1, 3][..]));
+        tetrahedron(path, "c.off", "3 0 1 2\n3 0 1 3\n3 1 2 3\n3 0 3 2");
+        let error = read(&[path]).err().unwrap();
+        assert!(error.contains("c has other triangles than a"), "{error}");
+        let error = read(&[&path.join("missing")]).err().unwrap();
+        assert!(error.contains("neither one of human, quadruped, makehuman"), "{error}");
+    }
 }

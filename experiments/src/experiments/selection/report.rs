@@ -143,12 +143,13 @@ fn every_pose(text: &mut String, figures: &[Figure], rows: &[Row]) -> Result<(),
     let of_one_body = |(_, figure): &(usize, &Figure)| figure.set.kind == Kind::Poses;
     for (i, figure) in figures.iter().enumerate().filter(of_one_body) {
         for (pose, (name, _)) in figure.set.poses.iter().enumerate().skip(1) {
-            let of = |row: &Row, score, count, threshold| {
+            let of = |row: &Row, count, threshold| {
+                let score = Score::of(row.detector.parameters.stability.rule);
                 row.repeats[i].of_pose(&row.found[i], score, pose, count, threshold)
             };
             let count = |row: &Row| row.found[i][0].regions.len().min(row.found[i][pose].regions.len());
-            let cells = |row: &Row, score, count| {
-                let [b, c] = [0.8, 0.9].map(|t| of(row, score, count, t));
+            let cells = |row: &Row, count| {
+                let [b, c] = [0.8, 0.9].map(|t| of(row, count, t));
                 format!("{b:.2} / {c:.2}")
             };
             let (with_paper, with_baseline) =
@@ -157,10 +158,10 @@ fn every_pose(text: &mut String, figures: &[Figure], rows: &[Row]) -> Result<(),
                 text,
                 "| {} | {name} | {with_paper} | {} | {} | {with_baseline} | {} | {} |",
                 figure.set.name,
-                cells(ours, Score::Lifetime, with_paper),
-                cells(paper, Score::Stability, with_paper),
-                cells(ours, Score::Lifetime, with_baseline),
-                cells(baseline, Score::Volume, with_baseline),
+                cells(ours, with_paper),
+                cells(paper, with_paper),
+                cells(ours, with_baseline),
+                cells(baseline, with_baseline),
             );
         }
     }
@@ -170,11 +171,11 @@ fn every_pose(text: &mut String, figures: &[Figure], rows: &[Row]) -> Result<(),
 const HEAD: &str = "\
 # Which regions are selected, and how well they repeat
 
-Made by `cargo xtask selection [FOLDER...]` on 45,000 voxels and 100 eigenpairs. Every choice differs from the
-defaults in one thing. Each pose is compared with each other pose of its figure, both ways: a region is found again
-if its overlap with a region of the other pose is above 0.7, 0.8 or 0.9 (columns), by vertex area, the mirror image
-allowed. *nowhere* is the share of regions that no other pose has at an overlap of 0.7; *matching* the share whose
-nearest descriptor is of a region with an overlap above 0.8.
+Made by `cargo xtask selection` on 45,000 voxels and 100 eigenpairs. Every choice differs from the defaults in one
+thing. Each shape of a set is compared with each other, both ways: a region is found again if its overlap with a
+region of the other shape is above 0.7, 0.8 or 0.9 (columns), by vertex area, the mirror image allowed where the
+symmetry is known (not of the fox and the rigged figure). *nowhere* is the share of regions that no other shape has
+at an overlap of 0.7; *matching* the share whose nearest descriptor is of a region with an overlap above 0.8.
 
 ";
 const CHOICE: &str = "\
