@@ -23,24 +23,22 @@ pub struct Arguments {
 
 /// Runs every detector on every figure and writes the tables.
 pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
-    let mut figures = Vec::new();
-    for set in arguments.sets.read()? {
+    let empty = |detector| Row { detector, found: Vec::new(), repeats: Vec::new() };
+    let mut rows: Vec<Row> = detectors::all().into_iter().map(empty).collect();
+    let sets = arguments.sets.read()?;
+    // Set by set, for spectra are large.
+    for set in &sets {
         eprintln!("spectra of {}", set.name);
-        figures.push(Figure::solve(set, arguments.sets.voxels)?);
-    }
-    let mut rows = Vec::new();
-    for detector in detectors::all() {
-        eprintln!("{}", detector.title);
-        let mut row = Row { detector, found: Vec::new(), repeats: Vec::new() };
-        for figure in &figures {
+        let figure = Figure::solve(set, arguments.sets.voxels)?;
+        for row in &mut rows {
+            eprintln!("{}: {}", set.name, row.detector.title);
             let found = figure.detect(&row.detector)?;
-            row.repeats.push(Repeats::new(&figure.set.null, &found)?);
+            row.repeats.push(Repeats::new(&set.null, &found)?);
             row.found.push(found);
         }
-        rows.push(row);
     }
     std::fs::create_dir_all(&arguments.output)?;
-    std::fs::write(arguments.output.join("selection.csv"), report::csv(&figures, &rows))?;
-    std::fs::write(arguments.output.join("selection.md"), report::markdown(&figures, &rows)?)?;
+    std::fs::write(arguments.output.join("selection.csv"), report::csv(&sets, &rows))?;
+    std::fs::write(arguments.output.join("selection.md"), report::markdown(&sets, &rows)?)?;
     Ok(())
 }

@@ -12,23 +12,23 @@ use crate::repeats::{Found, Repeats};
 use crate::solved::Solved;
 
 /// A set with its spectra.
-pub(super) struct Figure {
-    pub set: PoseSet,
+pub(super) struct Figure<'s> {
+    set: &'s PoseSet,
     solved: Vec<Solved>,
     /// The same voxels with links to 26 neighbours.
     solved_26: Vec<Solved>,
 }
 
-/// A detector's results on every figure, in order.
+/// A detector's results on every set, in order.
 pub(super) struct Row {
     pub detector: Detector,
     pub found: Vec<Vec<Found>>,
     pub repeats: Vec<Repeats>,
 }
 
-impl Figure {
+impl<'s> Figure<'s> {
     /// Solids and spectra of a set's shapes.
-    pub fn solve(set: PoseSet, voxels: usize) -> Result<Self, Box<dyn Error>> {
+    pub fn solve(set: &'s PoseSet, voxels: usize) -> Result<Self, Box<dyn Error>> {
         let all = |connectivity| {
             let voxelize = VoxelizeParameters { connectivity, ..Default::default() };
             set.solve(voxels, &voxelize, &SpectrumParameters::default())
