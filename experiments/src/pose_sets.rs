@@ -237,7 +237,8 @@ impl PoseSet {
     }
 }
 
-fn in_repository(path: &str) -> PathBuf {
+/// A path that is given relative to the repository.
+pub fn in_repository(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)
 }
 

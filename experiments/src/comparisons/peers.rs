@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use super::python::{Python, PythonArguments};
 use super::resources::processor;
-use crate::pose_sets::SetArguments;
+use crate::pose_sets::{SetArguments, in_repository};
 use cases::{Case, Shape};
 use report::Row;
 use shape_diameter::ShapeDiameter;
@@ -101,7 +101,8 @@ fn of_each<T: Default + Send>(
 /// Compares all detectors on all sets, and prints and writes the table.
 pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let python = Python::find(&arguments.python, &[&["numpy"], &["gudhi"]])?;
-    let mut heading = vec![format!("Machine: {}.", processor())];
+    let voxels = arguments.sets.voxels;
+    let mut heading = vec![format!("Machine: {}. Solids of {voxels} voxels.", processor())];
     let mut detectors = vec![
         Detector::Ours("ours", StabilityRule::Windowed),
         Detector::Ours("paper", StabilityRule::Paper),
@@ -135,14 +136,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     };
     let sets = arguments.sets.read()?;
     for set in &sets {
-        take(Case::of_set(set, arguments.sets.voxels)?)?;
+        take(Case::of_set(set, voxels)?)?;
     }
     // The benchmark needs one body at rest, and there are two whose symmetry is known.
     for set in sets.iter().filter(|set| all && ["human", "makehuman"].contains(&&set.name[..])) {
-        take(Case::synthetic(set, arguments.sets.voxels)?)?;
+        take(Case::synthetic(set, voxels)?)?;
     }
-    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/results");
-    match arguments.output.clone().or_else(|| all.then_some(default)) {
+    match arguments.output.clone().or_else(|| all.then(|| in_repository("docs/results"))) {
         Some(folder) => report::write(&folder, &rows, &heading),
         None => Ok(()),
     }

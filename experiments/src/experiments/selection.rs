@@ -7,7 +7,7 @@ mod report;
 use std::error::Error;
 use std::path::PathBuf;
 
-use crate::pose_sets::SetArguments;
+use crate::pose_sets::{SetArguments, in_repository};
 use crate::repeats::Repeats;
 use figure::{Figure, Row};
 
@@ -16,13 +16,17 @@ use figure::{Figure, Row};
 pub struct Arguments {
     #[command(flatten)]
     sets: SetArguments,
-    /// Where selection.md and selection.csv are written
-    #[arg(short, long, default_value = "docs/results")]
-    output: PathBuf,
+    /// Folder for selection.md and selection.csv [default: docs/results, when no SET is named]
+    #[arg(short, long)]
+    output: Option<PathBuf>,
 }
 
 /// Runs every detector on every figure and writes the tables.
 pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    let all = arguments.sets.sets.is_empty().then(|| in_repository("docs/results"));
+    let output = arguments.output.clone().or(all);
+    let output =
+        output.ok_or("docs/results has the tables of all sets; name another folder with --output")?;
     let empty = |detector| Row { detector, found: Vec::new(), repeats: Vec::new() };
     let mut rows: Vec<Row> = detectors::all().into_iter().map(empty).collect();
     let sets = arguments.sets.read()?;
@@ -37,8 +41,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             row.found.push(found);
         }
     }
-    std::fs::create_dir_all(&arguments.output)?;
-    std::fs::write(arguments.output.join("selection.csv"), report::csv(&sets, &rows))?;
-    std::fs::write(arguments.output.join("selection.md"), report::markdown(&sets, &rows)?)?;
+    std::fs::create_dir_all(&output)?;
+    std::fs::write(output.join("selection.csv"), report::csv(&sets, &rows))?;
+    std::fs::write(output.join("selection.md"), report::markdown(&sets, &rows)?)?;
     Ok(())
 }

@@ -70,3 +70,10 @@ fn peers_that_are_not_here_are_named_and_left_out() {
             .contains("| set | parts | ours | paper | baseline |")
     );
 }
+
+#[test]
+fn tables_of_some_sets_do_not_replace_those_of_all() {
+    let output = experiments(&["selection", "quadruped"]).output().unwrap();
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && text.contains("name another folder with --output"), "{text}");
+}
