@@ -1,5 +1,7 @@
-//! `cargo xtask bench`: our stages beside other people's, on the same input, in one run.
+//! `cargo xtask bench`: our stages beside other people's, on the same input, in one run; and `cargo xtask peers`, our parts
+//! beside theirs.
 
+pub mod peers;
 mod python;
 mod refine;
 mod resources;

@@ -5,12 +5,15 @@
 mod comparisons;
 mod drawing;
 mod experiments;
+mod pose_sets;
+mod repeats;
 mod solved;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+use comparisons::peers;
 use experiments::{figures, poses, selection, shrec11};
 
 /// The project's measurements.
@@ -27,7 +30,9 @@ enum Command {
     Bench(comparisons::Arguments),
     /// Make the paper's figures in docs/results again
     Figures(figures::Arguments),
-    /// Score the detector on poses of one figure
+    /// Compare parts with those of other people's methods, at equal numbers
+    Peers(peers::Arguments),
+    /// Score the detector on sets of poses and of persons, in a minute
     Poses(poses::Arguments),
     /// Compare choices of weights, time scales and filters on poses
     Selection(selection::Arguments),
@@ -39,6 +44,7 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Bench(arguments) => comparisons::run(&arguments),
         Command::Figures(arguments) => figures::run(&arguments),
+        Command::Peers(arguments) => peers::run(&arguments),
         Command::Poses(arguments) => poses::run(&arguments),
         Command::Selection(arguments) => selection::run(&arguments),
         Command::Shrec11(arguments) => shrec11::run(&arguments),

@@ -80,11 +80,14 @@ impl Solved {
         regions: &[Region],
         descriptors: &Descriptors,
     ) -> Result<DetectedRegions, Box<dyn Error>> {
-        let mut sets = Vec::with_capacity(regions.len());
-        for region in regions {
-            sets.push(IndexSet::from_members(self.vertices, region.vertices.iter().copied())?);
-        }
-        Ok(DetectedRegions { regions: sets, descriptors: descriptors.rows().map(<[f64]>::to_vec).collect() })
+        let descriptors = descriptors.rows().map(<[f64]>::to_vec).collect();
+        Ok(DetectedRegions { regions: self.vertex_sets(regions)?, descriptors })
+    }
+
+    /// Regions as sets of the mesh's vertices.
+    pub fn vertex_sets(&self, regions: &[Region]) -> Result<Vec<IndexSet>, Box<dyn Error>> {
+        let set = |region: &Region| IndexSet::from_members(self.vertices, region.vertices.iter().copied());
+        Ok(regions.iter().map(set).collect::<Result<_, _>>()?)
     }
 }
 

@@ -44,7 +44,9 @@ enum Command {
     Bench(delegate::Arguments),
     /// Experiments: make the paper's figures in docs/results again
     Figures(delegate::Arguments),
-    /// Experiments: score the detector on poses of one figure
+    /// Experiments: compare parts with those of other people's methods, at equal numbers
+    Peers(delegate::Arguments),
+    /// Experiments: score the detector on sets of poses and of persons, in a minute
     Poses(delegate::Arguments),
     /// Experiments: compare choices of weights, time scales and filters on poses
     Selection(delegate::Arguments),
@@ -70,6 +72,7 @@ fn run(command: Command) -> Result<ExitCode, Box<dyn Error>> {
         Command::Schema(arguments) => schema::run(&arguments)?,
         Command::Bench(arguments) => return delegate::run("bench", &arguments),
         Command::Figures(arguments) => return delegate::run("figures", &arguments),
+        Command::Peers(arguments) => return delegate::run("peers", &arguments),
         Command::Poses(arguments) => return delegate::run("poses", &arguments),
         Command::Selection(arguments) => return delegate::run("selection", &arguments),
         Command::Shrec11(arguments) => return delegate::run("shrec11", &arguments),

@@ -18,6 +18,7 @@ pub struct PythonArguments {
 }
 
 /// An interpreter, and the folder where peers and what is exchanged with them lie.
+#[derive(Clone)]
 pub struct Python {
     pub folder: PathBuf,
     program: PathBuf,

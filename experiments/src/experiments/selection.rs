@@ -2,75 +2,47 @@
 
 mod detectors;
 mod figure;
-mod repeats;
 mod report;
 
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use crate::solved::stem;
+use crate::pose_sets::{SetArguments, in_repository};
+use crate::repeats::Repeats;
 use figure::{Figure, Row};
-use repeats::Repeats;
 
 /// What `cargo xtask selection` can be told.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// More figures: folders with poses of one mesh as .off files and their left-right symmetry in
-    /// symmetry.txt; voxels are sized by the first by name
-    figures: Vec<PathBuf>,
-    /// Voxels of the first pose of each figure; others get the same pitch
-    #[arg(long, default_value_t = 45_000)]
-    voxels: usize,
-    /// Where selection.md and selection.csv are written
-    #[arg(short, long, default_value = "docs/results")]
-    output: PathBuf,
+    #[command(flatten)]
+    sets: SetArguments,
+    /// Folder for selection.md and selection.csv [default: docs/results, when no SET is named]
+    #[arg(short, long)]
+    output: Option<PathBuf>,
 }
 
 /// Runs every detector on every figure and writes the tables.
 pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
-    let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures");
-    let fixture = |figure: &str, poses: &[&str]| {
-        let paths = poses.iter().map(|pose| fixtures.join(format!("{figure}_{pose}.off"))).collect();
-        (figure.to_owned(), paths, fixtures.join(format!("{figure}_symmetry.txt")))
-    };
-    let mut sources: Vec<(String, Vec<PathBuf>, PathBuf)> = vec![
-        fixture("human", &["rest", "walk", "kick", "sit", "wave", "crouch", "touch", "press"]),
-        fixture("quadruped", &["rest", "gallop", "graze"]),
-    ];
-    for folder in &arguments.figures {
-        sources.push(folder_of_poses(folder)?);
-    }
-    let mut figures = Vec::new();
-    for (name, paths, symmetry) in sources {
-        eprintln!("spectra of {name}");
-        figures.push(Figure::solve(name, &paths, &symmetry, arguments.voxels)?);
-    }
-    let mut rows = Vec::new();
-    for detector in detectors::all() {
-        eprintln!("{}", detector.title);
-        let mut row = Row { detector, found: Vec::new(), repeats: Vec::new() };
-        for figure in &figures {
+    let all = arguments.sets.sets.is_empty().then(|| in_repository("docs/results"));
+    let output = arguments.output.clone().or(all);
+    let output =
+        output.ok_or("docs/results has the tables of all sets; name another folder with --output")?;
+    let empty = |detector| Row { detector, found: Vec::new(), repeats: Vec::new() };
+    let mut rows: Vec<Row> = detectors::all().into_iter().map(empty).collect();
+    let sets = arguments.sets.read()?;
+    // Set by set, for spectra are large.
+    for set in &sets {
+        eprintln!("spectra of {}", set.name);
+        let figure = Figure::solve(set, arguments.sets.voxels)?;
+        for row in &mut rows {
+            eprintln!("{}: {}", set.name, row.detector.title);
             let found = figure.detect(&row.detector)?;
-            row.repeats.push(Repeats::new(&figure.null, &found)?);
+            row.repeats.push(Repeats::new(&set.null, &found)?);
             row.found.push(found);
         }
-        rows.push(row);
     }
-    std::fs::create_dir_all(&arguments.output)?;
-    std::fs::write(arguments.output.join("selection.csv"), report::csv(&figures, &rows))?;
-    std::fs::write(arguments.output.join("selection.md"), report::markdown(&figures, &rows)?)?;
+    std::fs::create_dir_all(&output)?;
+    std::fs::write(output.join("selection.csv"), report::csv(&sets, &rows))?;
+    std::fs::write(output.join("selection.md"), report::markdown(&sets, &rows)?)?;
     Ok(())
-}
-
-fn folder_of_poses(folder: &Path) -> Result<(String, Vec<PathBuf>, PathBuf), Box<dyn Error>> {
-    let mut poses: Vec<PathBuf> = std::fs::read_dir(folder)
-        .map_err(|e| format!("{}: {e}", folder.display()))?
-        .filter_map(|entry| Some(entry.ok()?.path()))
-        .filter(|path| path.extension().is_some_and(|e| e == "off"))
-        .collect();
-    poses.sort();
-    if poses.len() < 2 {
-        return Err(format!("{}: two poses or more are needed, as .off files", folder.display()).into());
-    }
-    Ok((stem(folder), poses, folder.join("symmetry.txt")))
 }

@@ -3,17 +3,18 @@
 use std::error::Error;
 use std::fmt::Write;
 
-use super::figure::{Figure, Row};
-use super::repeats::{Found, Score};
+use super::figure::Row;
+use crate::pose_sets::{Kind, PoseSet};
+use crate::repeats::{Score, fewest, regions};
 
-/// A line for each detector and figure.
-pub fn csv(figures: &[Figure], rows: &[Row]) -> String {
+/// A line for each detector and set.
+pub fn csv(sets: &[PoseSet], rows: &[Row]) -> String {
     let mut text = String::from(
-        "group,choice,figure,poses,regions,fewest_regions,repeatability_0.7,repeatability_0.8,repeatability_0.9,\
+        "group,choice,set,shapes,regions,fewest_regions,repeatability_0.7,repeatability_0.8,repeatability_0.9,\
          nowhere_0.7,matching_0.8\n",
     );
     for row in rows {
-        for (i, figure) in figures.iter().enumerate() {
+        for (i, set) in sets.iter().enumerate() {
             let (found, repeats) = (&row.found[i], &row.repeats[i]);
             let [a, b, c] = [0.7, 0.8, 0.9].map(|t| repeats.repeatability(found, t));
             let (nowhere, matching) = (repeats.nowhere(found, 0.7), repeats.matching(0.8));
@@ -22,8 +23,8 @@ pub fn csv(figures: &[Figure], rows: &[Row]) -> String {
                 "{},\"{}\",{},{},{:.2},{},{a:.4},{b:.4},{c:.4},{nowhere:.4},{matching:.4}",
                 row.detector.group,
                 row.detector.title,
-                figure.name,
-                figure.poses.len(),
+                set.name,
+                set.poses.len(),
                 regions(found),
                 fewest(found),
             );
@@ -32,23 +33,48 @@ pub fn csv(figures: &[Figure], rows: &[Row]) -> String {
     text
 }
 
-/// The page: choices, then the same number of regions, then every pose.
-pub fn markdown(figures: &[Figure], rows: &[Row]) -> Result<String, Box<dyn Error>> {
+/// The page: choices, in the mean and set by set, then the same number of regions, then every pose.
+pub fn markdown(sets: &[PoseSet], rows: &[Row]) -> Result<String, Box<dyn Error>> {
     let mut text = String::from(HEAD);
-    choices(&mut text, figures, rows);
+    mean_of_sets(&mut text, rows);
+    choices(&mut text, sets, rows);
     text.push_str(CHOICE);
-    equal_numbers(&mut text, figures, rows);
-    every_pose(&mut text, figures, rows)?;
+    equal_numbers(&mut text, sets, rows);
+    between_persons(&mut text, sets, rows)?;
+    every_pose(&mut text, sets, rows)?;
     Ok(text)
 }
 
-fn choices(text: &mut String, figures: &[Figure], rows: &[Row]) {
-    for (i, figure) in figures.iter().enumerate() {
+fn mean_of_sets(text: &mut String, rows: &[Row]) {
+    text.push_str("## Mean of the sets\n\n| | regions | .7 | .8 | .9 | nowhere | matching |\n|---|---|---|---|---|---|---|\n");
+    for row in rows {
+        let sets = row.found.iter().zip(&row.repeats);
+        let values: Vec<[f64; 6]> = sets
+            .map(|(found, repeats)| {
+                let [a, b, c] = [0.7, 0.8, 0.9].map(|t| repeats.repeatability(found, t));
+                [regions(found), a, b, c, repeats.nowhere(found, 0.7), repeats.matching(0.8)]
+            })
+            .collect();
+        let mean = |i: usize| values.iter().map(|v| v[i]).sum::<f64>() / values.len() as f64;
+        let [n, a, b, c, nowhere, matching] = [0, 1, 2, 3, 4, 5].map(mean);
+        let title = &row.detector.title;
+        let _ =
+            writeln!(text, "| {title} | {n:.1} | {a:.3} | {b:.3} | {c:.3} | {nowhere:.3} | {matching:.3} |");
+    }
+    text.push('\n');
+}
+
+fn choices(text: &mut String, sets: &[PoseSet], rows: &[Row]) {
+    for (i, set) in sets.iter().enumerate() {
         let _ = writeln!(
             text,
-            "## {}: {} poses\n\n| | regions (fewest) | .7 | .8 | .9 | nowhere | matching |",
-            figure.name,
-            figure.poses.len()
+            "## {}: {} {}\n\n| | regions (fewest) | .7 | .8 | .9 | nowhere | matching |",
+            set.name,
+            set.poses.len(),
+            match set.kind {
+                Kind::Poses => "poses",
+                Kind::Persons => "persons",
+            }
         );
         text.push_str("|---|---|---|---|---|---|---|\n");
         for row in rows {
@@ -78,11 +104,11 @@ const RANKED: [(&str, &str, Score); 6] = [
     ("baseline", "baseline by volume", Score::Volume),
 ];
 
-fn equal_numbers(text: &mut String, figures: &[Figure], rows: &[Row]) {
+fn equal_numbers(text: &mut String, sets: &[PoseSet], rows: &[Row]) {
     text.push_str(EQUAL);
-    for (i, figure) in figures.iter().enumerate() {
+    for (i, set) in sets.iter().enumerate() {
         let counts = [4, 6, 8, 10, 12, 16, 20];
-        let _ = write!(text, "### {}\n\n| ", figure.name);
+        let _ = write!(text, "### {}\n\n| ", set.name);
         for count in counts {
             let _ = write!(text, "| {count} ");
         }
@@ -104,18 +130,46 @@ fn equal_numbers(text: &mut String, figures: &[Figure], rows: &[Row]) {
     }
 }
 
-fn every_pose(text: &mut String, figures: &[Figure], rows: &[Row]) -> Result<(), Box<dyn Error>> {
+/// The default and the other stability rules.
+fn modes(rows: &[Row]) -> Result<[&Row; 3], Box<dyn Error>> {
     let row = |title: &str| rows.iter().find(|r| r.detector.title == title).ok_or("a mode is missing");
-    let (ours, paper, baseline) = (row("default")?, row("paper")?, row("baseline")?);
+    Ok([row("default")?, row("paper")?, row("baseline")?])
+}
+
+fn between_persons(text: &mut String, sets: &[PoseSet], rows: &[Row]) -> Result<(), Box<dyn Error>> {
+    let modes = modes(rows)?;
+    for (i, set) in sets.iter().enumerate().filter(|(_, set)| set.kind == Kind::Persons) {
+        let _ = writeln!(text, "{PERSONS_START} {}{PERSONS}", set.name);
+        for (searched, (on, _)) in set.poses.iter().enumerate() {
+            for (sought, (of, _)) in set.poses.iter().enumerate().filter(|(s, _)| *s != searched) {
+                let _ = write!(text, "| {of} | {on} |");
+                for row in modes {
+                    let found = &row.found[i];
+                    let [b, c] = [0.8, 0.9].map(|t| row.repeats[i].of_pair(found, [searched, sought], t));
+                    let count = found[sought].regions.len();
+                    let _ = write!(text, " {count} | {:.2} / {:.2} | {:.2} |", b[0], c[0], b[1]);
+                }
+                text.push('\n');
+            }
+        }
+        text.push('\n');
+    }
+    Ok(())
+}
+
+fn every_pose(text: &mut String, sets: &[PoseSet], rows: &[Row]) -> Result<(), Box<dyn Error>> {
+    let [ours, paper, baseline] = modes(rows)?;
     text.push_str(POSES);
-    for (i, figure) in figures.iter().enumerate() {
-        for (pose, name) in figure.poses.iter().enumerate().skip(1) {
-            let of = |row: &Row, score, count, threshold| {
+    let of_one_body = |(_, set): &(usize, &PoseSet)| set.kind == Kind::Poses;
+    for (i, set) in sets.iter().enumerate().filter(of_one_body) {
+        for (pose, (name, _)) in set.poses.iter().enumerate().skip(1) {
+            let of = |row: &Row, count, threshold| {
+                let score = Score::of(row.detector.parameters.stability.rule);
                 row.repeats[i].of_pose(&row.found[i], score, pose, count, threshold)
             };
             let count = |row: &Row| row.found[i][0].regions.len().min(row.found[i][pose].regions.len());
-            let cells = |row: &Row, score, count| {
-                let [b, c] = [0.8, 0.9].map(|t| of(row, score, count, t));
+            let cells = |row: &Row, count| {
+                let [b, c] = [0.8, 0.9].map(|t| of(row, count, t));
                 format!("{b:.2} / {c:.2}")
             };
             let (with_paper, with_baseline) =
@@ -123,55 +177,46 @@ fn every_pose(text: &mut String, figures: &[Figure], rows: &[Row]) -> Result<(),
             let _ = writeln!(
                 text,
                 "| {} | {name} | {with_paper} | {} | {} | {with_baseline} | {} | {} |",
-                figure.name,
-                cells(ours, Score::Lifetime, with_paper),
-                cells(paper, Score::Stability, with_paper),
-                cells(ours, Score::Lifetime, with_baseline),
-                cells(baseline, Score::Volume, with_baseline),
+                set.name,
+                cells(ours, with_paper),
+                cells(paper, with_paper),
+                cells(ours, with_baseline),
+                cells(baseline, with_baseline),
             );
         }
     }
     Ok(())
 }
 
-fn regions(found: &[Found]) -> f64 {
-    found.iter().map(|f| f.regions.len()).sum::<usize>() as f64 / found.len().max(1) as f64
-}
-
-fn fewest(found: &[Found]) -> usize {
-    found.iter().map(|f| f.regions.len()).min().unwrap_or_default()
-}
-
 const HEAD: &str = "\
 # Which regions are selected, and how well they repeat
 
-Made by `cargo xtask selection [FOLDER...]` on 45,000 voxels and 100 eigenpairs. Every choice differs from the
-defaults in one thing. Each pose is compared with each other pose of its figure, both ways: a region is found again
-if its overlap with a region of the other pose is above 0.7, 0.8 or 0.9 (columns), by vertex area, the mirror image
-allowed. *nowhere* is the share of regions that no other pose has at an overlap of 0.7; *matching* the share whose
-nearest descriptor is of a region with an overlap above 0.8.
+Made by `cargo xtask selection` on 45,000 voxels and 100 eigenpairs. Every choice differs from the defaults in one
+thing. Each shape of a set is compared with each other, both ways: a region is found again if its overlap with a
+region of the other shape is above 0.7, 0.8 or 0.9 (columns), by vertex area, the mirror image allowed where the
+symmetry is known (not of the fox and the rigged figure). *nowhere* is the share of regions that no other shape has
+at an overlap of 0.7; *matching* the share whose nearest descriptor is of a region with an overlap above 0.8.
 
 ";
 const CHOICE: &str = "\
 ## What the tables say
 
-* **Window.** From 0.1 to 0.4 repeatability at 0.8 hardly changes on the human figures; a window of 0.05 finds more
-  regions, of which fewer repeat at 0.9. 0.2 is in the middle.
-* **Weight.** H(v,v) and 1/H(u,v) on links find the same regions. The commute time finds fewer, which repeat as well:
-  it has one scale.
-* **Time scales.** Two scales find up to half again as many regions as one. Single scales are each best on another
-  figure, so no single one is a safe choice. A region changes gradually with time: scales in between (0.5 and 1)
-  give near repetitions of it, and which of them are kept differs from pose to pose. With all four, fewer regions
-  of the human repeat, without finding more of the makehuman body. Moving one of the two by a factor of
-  1.4 changes repeatability by up to 0.04 on one or another figure, mostly down; at 0.125 there are more small
-  regions, which repeat less at 0.9 on most figures.
+* **Window.** In the mean of the sets repeatability at 0.8 hardly depends on it. A smaller window finds more regions, of
+  which fewer repeat at 0.9 on human bodies. 0.2 is in the middle.
+* **Weight.** H(v,v) and 1/H(u,v) on links find nearly the same regions. The commute time finds fewer, which repeat less
+  at 0.9: it has one scale.
+* **Time scales.** Two scales find up to half again as many regions as one. Single scales are each best on another set. In
+  the mean 1 repeats best, thanks to the quadruped and the fox, with two thirds of the default's regions. A region
+  changes gradually with time: scales in between (0.5 and 1) give near repetitions of it, and which of them are
+  kept differs from pose to pose. With all four, fewer regions of the human repeat, and more of the fox.
 * **Neighbours.** 6 and 26 are equal: the solid is the same, and H is smooth. 6 is cheaper.
-* **Altitude.** On a linear scale the number of regions depends on the figure (15 to 61 for the same window), because
-  the window is in units of the weight. On a log scale it does not.
+* **Altitude.** On a linear scale the number of regions depends on the set (14 to 61 for the same window), because
+  the window is in units of the weight. On a log scale it does so far less.
 * **Pooling.** From an overlap of 0.8 on, two regions are one, and the part before the sharpest merge stands for both.
   At 0.7 different parts of a limb are taken for one region on one pose and for two on the next. At 0.9 more regions
   are kept that are nearly the same, which makes each easier to find again.
-* **Filters.** Diversity hardly matters after pooling. Smaller regions than 1 % repeat less.
+* **Filters.** Diversity does nothing at 0.1 after pooling, and harm at 0.3. In the mean regions down to 0.5 % of the volume
+  repeat as well as those over 1 %, but fewer are recognized.
 
 ";
 const EQUAL: &str = "\
@@ -183,21 +228,26 @@ with nested regions, as `paper` does, loses its lead here.
 
 The score to rank by is the lifetime of a part: how long it lasts, in log altitude, from the real merge it came from
 to the one that ends it. Parts that end at a merge come first, the rest by volume. Where a part ends is decided
-by the shape there, not by a maximum on a flat curve. So the first regions of the default repeat as well as the
-baseline's, which are such parts too, and better at most numbers; the others come on top. Stability ranks
-badly: the stablest regions are middles of limbs, and they slide.
+by the shape there, not by a maximum on a flat curve. Stability ranks badly: the stablest regions are middles of
+limbs, and they slide. On the fox, whose left and right are not exchanged, the largest regions are found again most
+surely.
 
 ";
+const PERSONS_START: &str = "## Between persons:";
+const PERSONS: &str = "
+
+The regions of one person looked for on another: how many there are, the share found again at 0.8 / 0.9, and the share
+whose nearest descriptor is of a region with an overlap above 0.8. Each person has the voxel size and the times that
+its own volume gives.
+
+| regions of | looked for on | default | found | matched | paper | found | matched | baseline | found | matched |
+|---|---|---|---|---|---|---|---|---|---|---|";
 const POSES: &str = "\
 ## Every pose against the first
 
 As many regions of each as the poorer of the two detectors has on the poorer pose, both ways, at 0.8 / 0.9. The default is
 ranked by lifetime, `paper` by stability, `baseline` by volume.
 
-Against `paper` the default is at least equal on every pose but one at 0.8 (the gallop), and on all at 0.9. Against the
-baseline it is at least equal on every pose at 0.9, above on five. At 0.8 it is equal on all but two (crouch and
-graze), where it is below; there is nothing above 1 to win.
-
-| figure | pose | regions | default | paper | regions | default | baseline |
+| set | pose | regions | default | paper | regions | default | baseline |
 |---|---|---|---|---|---|---|---|
 ";

@@ -1,12 +1,13 @@
-//! Repeatability between all pairs of poses, of all regions or of the best few.
+//! Repeatability between all ordered pairs of a set's shapes, of all regions or of the best few.
 
 use std::error::Error;
 
 use mser3d::Region;
+use mser3d::comptree::StabilityRule;
 use mser3d_evaluation::{Correspondence, DetectedRegions, NullShape, Overlaps};
 use rayon::prelude::*;
 
-/// What a detector found on a pose.
+/// What a detector found on a shape.
 pub struct Found {
     pub regions: Vec<Region>,
     pub detection: DetectedRegions,
@@ -22,21 +23,30 @@ pub enum Score {
     Volume,
 }
 
-impl Found {
-    /// The places of the `count` best regions. Where a score says nothing, the larger region is better.
-    fn best(&self, score: Score, count: usize) -> Vec<usize> {
-        let value = |i: usize| match score {
-            Score::Lifetime => self.regions[i].merge.map_or(f64::NAN, |merge| merge.lifetime),
-            Score::Stability => self.regions[i].stability,
-            Score::Persistence => self.regions[i].persistence,
-            Score::Volume => self.regions[i].volume,
-        };
-        let value = |i: usize| Some(value(i)).filter(|x| !x.is_nan()).unwrap_or(f64::NEG_INFINITY);
-        let mut order: Vec<usize> = (0..self.regions.len()).collect();
-        order.sort_by(|&a, &b| value(b).total_cmp(&value(a)));
-        order.truncate(count);
-        order
+impl Score {
+    /// The score that the regions of a rule are ranked by.
+    pub fn of(rule: StabilityRule) -> Self {
+        match rule {
+            StabilityRule::Paper => Self::Stability,
+            StabilityRule::Baseline => Self::Volume,
+            StabilityRule::Windowed => Self::Lifetime,
+        }
     }
+}
+
+/// The places of the `count` best regions. Where a score says nothing, the larger region is better.
+pub fn best(regions: &[Region], score: Score, count: usize) -> Vec<usize> {
+    let value = |region: &Region| match score {
+        Score::Lifetime => region.merge.map_or(f64::NAN, |merge| merge.lifetime),
+        Score::Stability => region.stability,
+        Score::Persistence => region.persistence,
+        Score::Volume => region.volume,
+    };
+    let value = |i: usize| Some(value(&regions[i])).filter(|x| !x.is_nan()).unwrap_or(f64::NEG_INFINITY);
+    let mut order: Vec<usize> = (0..regions.len()).collect();
+    order.sort_by(|&a, &b| value(b).total_cmp(&value(a)));
+    order.truncate(count);
+    order
 }
 
 /// Overlaps between the regions of all ordered pairs of poses.
@@ -73,16 +83,27 @@ impl Repeats {
 
     /// The same of the best `count` regions of each pose, searched among the best of the other.
     pub fn of_best(&self, found: &[Found], score: Score, count: usize, threshold: f64) -> f64 {
-        let best: Vec<Vec<usize>> = found.iter().map(|f| f.best(score, count)).collect();
-        mean(self.pairs.iter().map(|(a, b, overlaps)| share(overlaps, &best[*a], &best[*b], threshold)))
+        let kept: Vec<Vec<usize>> = found.iter().map(|f| best(&f.regions, score, count)).collect();
+        mean(self.pairs.iter().map(|(a, b, overlaps)| share(overlaps, &kept[*a], &kept[*b], threshold)))
     }
 
     /// The same of one pose against the first, both ways, with `count` regions each.
     pub fn of_pose(&self, found: &[Found], score: Score, pose: usize, count: usize, threshold: f64) -> f64 {
-        let best = |i: usize| found[i].best(score, count);
+        let kept = |i: usize| best(&found[i].regions, score, count);
         let wanted = |(a, b, _): &&(usize, usize, Overlaps)| (*a.min(b), *a.max(b)) == (0, pose);
         let pairs = self.pairs.iter().filter(wanted);
-        mean(pairs.map(|(a, b, overlaps)| share(overlaps, &best(*a), &best(*b), threshold)))
+        mean(pairs.map(|(a, b, overlaps)| share(overlaps, &kept(*a), &kept(*b), threshold)))
+    }
+
+    /// Of the regions of the second shape of a pair, the share found again on the first, and the share whose nearest
+    /// descriptor is of a region that overlaps above the threshold.
+    pub fn of_pair(&self, found: &[Found], pair: [usize; 2], threshold: f64) -> [f64; 2] {
+        let all = pair.map(|shape| best(&found[shape].regions, Score::Volume, usize::MAX));
+        let place = self.pairs.iter().position(|(a, b, _)| [*a, *b] == pair);
+        place.map_or([0.0; 2], |at| {
+            let again = share(&self.pairs[at].2, &all[0], &all[1], threshold);
+            [again, mser3d_evaluation::share_above(&self.matched[at], threshold)]
+        })
     }
 
     /// Mean share of regions whose nearest descriptor is of a region that overlaps above the threshold.
@@ -111,4 +132,14 @@ fn share(overlaps: &Overlaps, from: &[usize], to: &[usize], threshold: f64) -> f
 fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0), |(sum, n), x| (sum + x, n + 1));
     sum / f64::from(count.max(1))
+}
+
+/// Mean number of regions of a shape.
+pub fn regions(found: &[Found]) -> f64 {
+    found.iter().map(|f| f.regions.len()).sum::<usize>() as f64 / found.len().max(1) as f64
+}
+
+/// The number of regions of the shape that has fewest.
+pub fn fewest(found: &[Found]) -> usize {
+    found.iter().map(|f| f.regions.len()).min().unwrap_or_default()
 }
