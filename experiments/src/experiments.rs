@@ -2,5 +2,6 @@
 
 pub mod figures;
 pub mod poses;
+pub mod reliability;
 pub mod selection;
 pub mod shrec11;

@@ -14,7 +14,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 use comparisons::peers;
-use experiments::{figures, poses, selection, shrec11};
+use experiments::{figures, poses, reliability, selection, shrec11};
 
 /// The project's measurements.
 #[derive(Parser)]
@@ -36,6 +36,8 @@ enum Command {
     Poses(poses::Arguments),
     /// Compare choices of weights, time scales and filters on poses
     Selection(selection::Arguments),
+    /// Compare what reliability says with what is found on other poses
+    Reliability(reliability::Arguments),
     /// Score detectors on SHREC'10, SHREC'11 or a synthetic benchmark
     Shrec11(shrec11::Arguments),
 }
@@ -47,6 +49,7 @@ fn main() -> ExitCode {
         Command::Peers(arguments) => peers::run(&arguments),
         Command::Poses(arguments) => poses::run(&arguments),
         Command::Selection(arguments) => selection::run(&arguments),
+        Command::Reliability(arguments) => reliability::run(&arguments),
         Command::Shrec11(arguments) => shrec11::run(&arguments),
     };
     match result {

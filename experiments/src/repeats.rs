@@ -106,6 +106,11 @@ impl Repeats {
         })
     }
 
+    /// For each other shape the best overlap there of each region of one.
+    pub fn best_of(&self, shape: usize) -> impl Iterator<Item = Vec<f64>> {
+        self.pairs.iter().filter(move |pair| pair.1 == shape).map(|(_, _, overlaps)| overlaps.best())
+    }
+
     /// Mean share of regions whose nearest descriptor is of a region that overlaps above the threshold.
     pub fn matching(&self, threshold: f64) -> f64 {
         mean(self.matched.iter().map(|m| mser3d_evaluation::share_above(m, threshold)))
@@ -115,8 +120,7 @@ impl Repeats {
     pub fn nowhere(&self, found: &[Found], threshold: f64) -> f64 {
         let mut lost = 0;
         for (pose, f) in found.iter().enumerate() {
-            let here: Vec<Vec<f64>> =
-                self.pairs.iter().filter(|p| p.1 == pose).map(|(_, _, overlaps)| overlaps.best()).collect();
+            let here: Vec<Vec<f64>> = self.best_of(pose).collect();
             lost += (0..f.regions.len()).filter(|&r| here.iter().all(|best| best[r] <= threshold)).count();
         }
         let all: usize = found.iter().map(|f| f.regions.len()).sum();

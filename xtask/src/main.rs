@@ -48,6 +48,8 @@ enum Command {
     Peers(delegate::Arguments),
     /// Experiments: score the detector on sets of poses and of persons, in a minute
     Poses(delegate::Arguments),
+    /// Experiments: compare what reliability says with what is found on other poses
+    Reliability(delegate::Arguments),
     /// Experiments: compare choices of weights, time scales and filters on poses
     Selection(delegate::Arguments),
     /// Experiments: score detectors on SHREC'10, SHREC'11 or a synthetic benchmark
@@ -74,6 +76,7 @@ fn run(command: Command) -> Result<ExitCode, Box<dyn Error>> {
         Command::Figures(arguments) => return delegate::run("figures", &arguments),
         Command::Peers(arguments) => return delegate::run("peers", &arguments),
         Command::Poses(arguments) => return delegate::run("poses", &arguments),
+        Command::Reliability(arguments) => return delegate::run("reliability", &arguments),
         Command::Selection(arguments) => return delegate::run("selection", &arguments),
         Command::Shrec11(arguments) => return delegate::run("shrec11", &arguments),
     }
