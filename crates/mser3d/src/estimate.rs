@@ -3,7 +3,7 @@ use std::ops::ControlFlow;
 use mser3d_shape::{Domain, TriangleMesh};
 use mser3d_spectral::Eigensolver;
 
-use crate::{Descriptor, Input, Parameters, Weight};
+use crate::{Descriptor, Input, Parameters};
 
 /// What a run will take, roughly.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,7 +59,7 @@ impl Parameters {
     pub fn estimate(&self, input: &Input) -> Estimate {
         let n = input.expected_elements(self);
         let eigenpairs = self.spectrum.eigenpairs.about(input.domain()).min(n.max(1));
-        let links = if self.weight == Weight::Edge { 2.0 } else { 1.0 };
+        let links = if self.weight.is_of_elements() { 1.0 } else { 2.0 };
         let trees = if self.weight.has_time_scale() { self.time_scales.len() } else { 1 };
         let samples = match &self.descriptor {
             Descriptor::SizedSiHks(own) | Descriptor::SiHks(own) => own.samples(),
