@@ -50,12 +50,10 @@ pub enum Error {
         width: usize,
     },
     /// A value that is no weight.
-    #[error(
-        "value {place} is {value}; a weight is a finite number of at most 1e100 in size, so fill gaps first"
-    )]
+    #[error("{place} is {value}; a weight is a finite number of at most 1e100 in size, so fill gaps first")]
     FieldValue {
-        /// The value's place, from 0.
-        place: usize,
+        /// Which value, in words.
+        place: String,
         /// The number.
         value: f64,
     },

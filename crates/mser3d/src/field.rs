@@ -48,7 +48,10 @@ impl Field {
     fn checked(self) -> Result<Self, Error> {
         let bad = |x: &f64| x.is_nan() || x.abs() > LARGEST_WEIGHT;
         match self.values.iter().position(bad) {
-            Some(place) => Err(Error::FieldValue { place: place / self.width, value: self.values[place] }),
+            Some(place) => Err(Error::FieldValue {
+                place: format!("value {}", place / self.width),
+                value: self.values[place],
+            }),
             None => Ok(self),
         }
     }
