@@ -64,7 +64,8 @@ pub enum Error {
     NoField,
     /// What needs a mesh was asked of a solid that is voxels from the start.
     #[error(
-        "the mean curvature is that of a mesh's surface, and a mask or solid of voxels has no mesh; choose another weight"
+        "a mask or solid of voxels has no mesh around it, whose curvature or values could be taken; choose another weight, or a \
+         field of its voxels"
     )]
     NoMesh,
     /// Altitudes on a log scale, and a weight that has no logarithm.

@@ -84,20 +84,26 @@ impl<'a> Weighing<'a> {
     /// The weights at time `t` (length^2, where the weight has one).
     pub fn at(&self, t: f64) -> Result<Weights, Error> {
         let mut values = self.values(t)?;
-        let deviation = values.deviation(self.basis.mass());
-        let scale = self.parameters.stability.altitude;
-        if self.field.is_some() {
-            let weights = values.numbers_mut();
-            let lowest = weights.iter().copied().fold(f64::INFINITY, f64::min);
-            if scale == AltitudeScale::Log && lowest <= 0.0 {
-                return Err(Error::NoLogarithm { value: lowest });
+        match self.parameters.stability.altitude {
+            AltitudeScale::Log => {
+                let lowest = values.lowest();
+                // Of weights that are a matter of heat, 0 is rounded.
+                if self.field.is_some() && lowest <= 0.0 {
+                    return Err(Error::NoLogarithm { value: lowest });
+                }
+                join_levels(values.numbers_mut(), ROUNDING);
+                Ok(Weights { values, unit: None })
             }
-            // What should be zero has no size that its rounding error could be relative to.
-            let noise = ROUNDING * deviation;
-            weights.iter_mut().filter(|w| w.abs() <= noise).for_each(|w| *w = 0.0);
+            AltitudeScale::Linear => {
+                // Where zero is says nothing: rounding errors are relative to what differs.
+                let (unit, lowest) = (values.deviation(self.basis.mass()), values.lowest());
+                let above = |w: f64| if w - lowest <= ROUNDING * unit { 0.0 } else { w - lowest };
+                values.numbers_mut().iter_mut().for_each(|w| *w = above(*w));
+                join_levels(values.numbers_mut(), ROUNDING);
+                values.numbers_mut().iter_mut().for_each(|w| *w += lowest);
+                Ok(Weights { values, unit: Some(unit) })
+            }
         }
-        join_levels(values.numbers_mut(), ROUNDING);
-        Ok(Weights { values, unit: (scale == AltitudeScale::Linear).then_some(deviation) })
     }
 
     fn values(&self, t: f64) -> Result<Values, Error> {
@@ -146,12 +152,17 @@ impl Values {
         }
     }
 
+    /// The lowest weight; 0 without any.
+    fn lowest(&self) -> f64 {
+        let (Self::Elements(weights) | Self::Edges(_, weights)) = self;
+        let lowest = weights.iter().copied().fold(f64::INFINITY, f64::min);
+        if lowest.is_finite() { lowest } else { 0.0 }
+    }
+
     /// The standard deviation of the finite weights: of elements by their volume, of links each alike. 1 where there is none.
     fn deviation(&self, volumes: &[f64]) -> f64 {
-        let (weights, shares) = match self {
-            Self::Elements(weights) => (weights, Some(volumes)),
-            Self::Edges(_, weights) => (weights, None),
-        };
+        let (Self::Elements(weights) | Self::Edges(_, weights)) = self;
+        let shares = matches!(self, Self::Elements(_)).then_some(volumes);
         let share = |i: usize| shares.map_or(1.0, |shares| shares[i]);
         let finite = || (0..weights.len()).filter(|&i| weights[i].is_finite());
         let total: f64 = finite().map(share).sum();

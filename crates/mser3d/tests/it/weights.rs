@@ -70,7 +70,7 @@ fn neither_the_unit_of_a_field_nor_where_it_is_zero_matters() {
     };
     let plain = found(1.0, 0.0);
     assert!(plain.regions.len() >= 3, "{}", plain.regions.len());
-    for (factor, shift) in [(1e6, 0.0), (1e-9, 0.0), (1e-30, 0.0), (2.0, -7.0), (1.0, 1000.0)] {
+    for (factor, shift) in [(1e6, 0.0), (1e-9, 0.0), (1e-30, 0.0), (2.0, -7.0), (1.0, 1000.0), (1.0, 1e6)] {
         let other = found(factor, shift);
         assert_eq!(other.regions.len(), plain.regions.len(), "{factor} {shift}");
         for (a, b) in plain.regions.iter().zip(&other.regions) {
