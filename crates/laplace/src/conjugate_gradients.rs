@@ -3,7 +3,8 @@
 use crate::LaplaceError;
 
 /// The residual, relative to the right-hand side, at which a solution is taken. Both are measured by the preconditioner.
-const TOLERANCE: f64 = 1e-10;
+/// (What is symmetric stays so at every step, whatever the residual.)
+const TOLERANCE: f64 = 1e-9;
 
 /// The residual that is taken when the iteration stops getting better: triangles as thin as rounding allows.
 const ENOUGH: f64 = 1e-6;

@@ -277,6 +277,24 @@ fn heat_smooths_a_field_before_the_tree_is_built() {
 }
 
 #[test]
+fn an_estimate_knows_what_carries_and_smooths() {
+    let mesh = club(1.0);
+    let regions = |weight: Weight, smooth: Option<f64>| {
+        let smooth_weight = smooth.map(TimeScale::Relative);
+        let estimate =
+            Parameters { smooth_weight, ..Parameters::of_weight(weight) }.estimate(&Input::Volume(&mesh));
+        estimate.stages.regions
+    };
+    let [heat, edge] = [Weight::Heat, Weight::Edge].map(|weight| regions(weight, None));
+    assert_eq!(edge, regions(Weight::Diffusion, None));
+    assert!((edge / heat - 2.0).abs() < 1e-9);
+    // One tree in place of two; the surface's values are carried inside.
+    assert!(regions(Weight::Curvature, None) > regions(Weight::Commute, None));
+    let smoothed = [0.001, 0.1].map(|t| regions(Weight::Heat, Some(t)) - heat);
+    assert!(smoothed[0] > 0.0 && smoothed[1] > 3.0 * smoothed[0], "{smoothed:?}");
+}
+
+#[test]
 fn what_is_no_weight_is_said() {
     let grid = bar(30, 1.0);
     let detect = |field: &(dyn Fn(&DiscreteShape) -> Result<Field, Error> + Sync), scale| {
