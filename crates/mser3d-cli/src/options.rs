@@ -89,7 +89,7 @@ pub struct RegionOptions {
     #[arg(long, alias = "mode", value_parser = choice::<StabilityRule>(),
           default_value_t = StabilityParameters::default().rule, help_heading = "Regions")]
     pub stability_rule: StabilityRule,
-    /// Half width of the stability window, in units of log altitude; linear: in standard deviations of the weight
+    /// Half width of the stability window, in units of log altitude; linear: of the weight's spread
     #[arg(long, value_name = "D", value_parser = positive, default_value_t = StabilityParameters::default().window,
           help_heading = "Regions")]
     pub window: f64,

@@ -90,8 +90,10 @@ pub struct Parameters {
     /// length^2). Give all poses of a body the measure of one of them. Default: none, each its own.
     pub reference_measure: Option<f64>,
     /// Which nodes of a tree are regions. Its scale of altitudes has to suit the weight: [`Parameters::of_weight`]. Where it is
-    /// linear, all altitudes of stability (the window, the least stability, lifetimes) are in units of the weight's standard
-    /// deviation over the body, so that they don't depend on the unit of the weight.
+    /// linear, all altitudes of stability (the window, the least stability, lifetimes) are in units of the weight's spread
+    /// over the body, so that they don't depend on the unit of the weight: its root mean square, or of a field of values,
+    /// whose zero says nothing, its standard deviation. So what is nearly the same everywhere, as the curvature of a ball, has no
+    /// altitudes to speak of.
     pub stability: StabilityParameters,
     /// How the regions of several time scales become one set.
     pub pool: PoolParameters,

@@ -24,7 +24,7 @@ pub struct Region {
     /// surface (inverse for [`Weight::Edge`]).
     pub altitude: f64,
     /// s(l) = vol(l) / (d vol / d l) (eq. 5), where l is the altitude, by default its logarithm, or on the linear scale its multiple of
-    /// the weight's standard deviation: the region's volume over the
+    /// the weight's spread ([`Parameters::stability`]): the region's volume over the
     /// rate at which it changes with l. By default the rate is measured over a window, `(vol(l + d) - vol(l - d)) / 2d`. No unit.
     /// Infinite where the volume does not change, NaN by the rule `baseline`, which measures none.
     pub stability: f64,

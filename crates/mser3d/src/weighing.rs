@@ -96,7 +96,9 @@ impl<'a> Weighing<'a> {
             }
             AltitudeScale::Linear => {
                 // Where zero is says nothing: rounding errors are relative to what differs.
-                let (unit, lowest) = (values.deviation(self.basis.mass()), values.lowest());
+                let of_values =
+                    self.parameters.weight == Weight::Field && matches!(values, Values::Elements(_));
+                let (unit, lowest) = (values.spread(self.basis.mass(), of_values), values.lowest());
                 let above = |w: f64| if w - lowest <= ROUNDING * unit { 0.0 } else { w - lowest };
                 values.numbers_mut().iter_mut().for_each(|w| *w = above(*w));
                 join_levels(values.numbers_mut(), ROUNDING);
@@ -159,18 +161,20 @@ impl Values {
         if lowest.is_finite() { lowest } else { 0.0 }
     }
 
-    /// The standard deviation of the finite weights: of elements by their volume, of links each alike. 1 where there is none.
-    fn deviation(&self, volumes: &[f64]) -> f64 {
+    /// The spread of the finite weights: of elements by their volume, of links each alike; about their mean, or about zero. 1 where
+    /// there is none.
+    fn spread(&self, volumes: &[f64], about_mean: bool) -> f64 {
         let (Self::Elements(weights) | Self::Edges(_, weights)) = self;
         let shares = matches!(self, Self::Elements(_)).then_some(volumes);
         let share = |i: usize| shares.map_or(1.0, |shares| shares[i]);
         let finite = || (0..weights.len()).filter(|&i| weights[i].is_finite());
         let total: f64 = finite().map(share).sum();
         let mean: f64 = finite().map(|i| share(i) / total * weights[i]).sum();
-        let variance: f64 = finite().map(|i| share(i) / total * (weights[i] - mean).powi(2)).sum();
-        let deviation = variance.sqrt();
-        // Rounding errors of equal weights are no deviation.
-        if deviation > 1e-12 * mean.abs() && deviation > 1e-300 { deviation } else { 1.0 }
+        let centre = if about_mean { mean } else { 0.0 };
+        let square: f64 = finite().map(|i| share(i) / total * (weights[i] - centre).powi(2)).sum();
+        let spread = square.sqrt();
+        // Rounding errors of equal weights are no spread.
+        if spread > 1e-12 * mean.abs() && spread > 1e-300 { spread } else { 1.0 }
     }
 }
 

@@ -218,7 +218,7 @@ pub struct RegionRecord {
     pub tree: u32,
     /// The weight at which it is complete: of the heat kernel in length^-3 in a volume, length^-2 on a surface.
     pub altitude: f64,
-    /// vol(l) / (d vol / d l), where l is the altitude, by default its logarithm, or its multiple of the weight's standard deviation (eq. 5): see [`mser3d::Region::stability`]. In JSON `"Infinity"`
+    /// vol(l) / (d vol / d l), where l is the altitude, by default its logarithm, or its multiple of the weight's spread (eq. 5): see [`mser3d::Region::stability`]. In JSON `"Infinity"`
     /// where the volume does not change, null where none was measured (NaN).
     #[serde(with = "stability")]
     #[cfg_attr(feature = "schema", schemars(with = "stability::Stability"))]

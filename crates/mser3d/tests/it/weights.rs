@@ -77,7 +77,7 @@ fn neither_the_unit_of_a_field_nor_where_it_is_zero_matters() {
             assert_eq!(a.elements, b.elements);
             let (expected, size) = (factor * a.altitude + shift, factor + shift.abs());
             assert!((b.altitude - expected).abs() <= 1e-9 * size, "{} {expected}", b.altitude);
-            // In standard deviations.
+            // In multiples of the field's standard deviation.
             assert!(a.stability == b.stability || (a.stability / b.stability - 1.0).abs() < 1e-6);
         }
     }
@@ -218,6 +218,16 @@ fn the_curvature_of_a_ball_is_one_over_its_radius_on_it_and_in_it() {
         let error = curvature.values().iter().map(|h| (h - 0.5).abs()).fold(0.0, f64::max);
         assert!(error < 0.01, "{error}");
     }
+}
+
+#[test]
+fn what_is_nearly_the_same_everywhere_has_no_altitudes() {
+    // The errors of a ball's curvature are not its spread: lifetimes stay as small as they are.
+    let surface = DiscreteShape::surface(&ball(24)).unwrap();
+    let own = Parameters { spectrum: parameters().spectrum, ..Parameters::of_weight(Weight::Curvature) };
+    let found = Detector::new(own).detect(Input::Shape(Box::new(surface))).unwrap();
+    let lifetimes: Vec<f64> = found.regions.iter().filter_map(|r| Some(r.merge?.lifetime)).collect();
+    assert!(lifetimes.iter().all(|lifetime| *lifetime < 0.01), "{lifetimes:?}");
 }
 
 #[test]

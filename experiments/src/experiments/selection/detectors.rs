@@ -65,7 +65,7 @@ pub fn all() -> Vec<Detector> {
         });
     }
     add(NEIGHBOURS, "26 neighbours", &|_| {});
-    add("altitude", "linear altitude, window 0.2 of the standard deviation", &|p| {
+    add("altitude", "linear altitude, window 0.2 of the root mean square", &|p| {
         p.stability.altitude = AltitudeScale::Linear;
     });
     for overlap in [0.7, 0.9] {
