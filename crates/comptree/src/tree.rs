@@ -114,6 +114,12 @@ impl ComponentTree {
         &self.altitudes
     }
 
+    /// The same components, with all altitudes times a factor above 0: weights in another unit.
+    pub fn scaled(&self, factor: f64) -> Self {
+        let altitudes = self.altitudes.iter().map(|altitude| factor * altitude).collect();
+        Self { altitudes, ..self.clone() }
+    }
+
     /// The smallest component that properly contains the node; `None` for a root.
     #[inline]
     pub fn parent(&self, node: u32) -> Option<u32> {

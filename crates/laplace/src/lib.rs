@@ -9,6 +9,8 @@
 //! * [`GridStencil`] is the same grid operator without a matrix: neighbours and weights, for iterative
 //!   solvers.
 //! * [`aggregate_grid`] makes a coarser operator of the same solid, for estimates.
+//! * [`Operator::heat_flow`] smooths a function, [`Operator::harmonic`] continues one from where it is known.
+//! * [`mean_curvature`] is what the cotangent operator says of the positions themselves.
 //!
 //! ```
 //! use mser3d_laplace::grid_laplacian;
@@ -27,14 +29,18 @@
 //! without Delaunay flips.
 
 mod aggregate;
+mod conjugate_gradients;
 mod cotangent;
 mod grid;
+mod heat_flow;
+mod mean_curvature;
 mod operator;
 mod stencil;
 
 pub use aggregate::{Aggregation, aggregate_grid};
 pub use cotangent::cotangent_laplacian;
 pub use grid::grid_laplacian;
+pub use mean_curvature::mean_curvature;
 pub use mser3d_shape as shape;
 pub use operator::{LaplaceError, Operator};
 pub use sprs;

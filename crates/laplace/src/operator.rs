@@ -67,6 +67,32 @@ pub enum LaplaceError {
         /// How many triangles there are.
         triangles: usize,
     },
+    /// A function with another number of values than the operator has rows.
+    #[error("the function has {found} values; the operator has {expected} rows")]
+    WrongLength {
+        /// Its values.
+        found: usize,
+        /// Rows of the operator.
+        expected: usize,
+    },
+    /// A time in which no heat can flow.
+    #[error("heat flows for a time that is finite and not negative, not for {time}")]
+    InvalidTime {
+        /// The time.
+        time: f64,
+    },
+    /// A harmonic function without a single value to begin with.
+    #[error("no value of the function is known; at least one is needed")]
+    NothingKnown,
+    /// A linear system that rounding errors keep from being solved.
+    #[error(
+        "a linear system with the Laplacian cannot be solved (relative residual {residual:.1e}): some triangles are far \
+         too thin; remesh the surface or search the volume"
+    )]
+    NotSolved {
+        /// The residual that was reached, relative to the right-hand side.
+        residual: f64,
+    },
 }
 
 impl Operator {

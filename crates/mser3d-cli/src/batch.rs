@@ -72,6 +72,7 @@ pub fn run(args: &BatchArgs) -> Result<(), CliError> {
     }
     let shard = args.shard.as_deref().map(str::parse::<Shard>).transpose();
     let shard = shard.map_err(|e| CliError::Usage(e.to_string()))?;
+    args.options.refuse_field()?;
     let mut parameters = args.options.parameters()?;
     let frames = args.animation.clone().zip(args.fps).map(|(animation, rate)| Frames { animation, rate });
     let planned = PlanParameters {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use mser3d::{Detector, Parameters};
+use mser3d::{Detector, FieldSource, Parameters};
 use mser3d_collection::{BatchParameters, Job, PlanParameters, plan, write_label_map};
 use mser3d_results::{Extra, Results, ResultsFolder, ShapeOptions, Up, VolumeFile};
 
@@ -47,10 +47,13 @@ pub fn run(args: &DetectArgs) -> Result<(), CliError> {
     let parameters = args.options.parameters()?;
     let options = args.options.shape(&args.volume, args.input.pose())?;
     if args.volume.all_labels() {
+        args.options.refuse_field()?;
         return all_labels(args, parameters, options);
     }
     let file = args.input.read(&options)?;
     args.options.check(&file)?;
+    let field = args.options.field()?;
+    let values = field.as_ref().map(|field| field.on(&file)).transpose()?;
     let output = match &args.output {
         Some(folder) => folder.clone(),
         None => folder_beside(&file.path, &["regions.json"])?,
@@ -64,10 +67,12 @@ pub fn run(args: &DetectArgs) -> Result<(), CliError> {
     if let Some(spectra) = &spectra {
         detector.spectra = spectra;
     }
+    detector.field = values.as_ref().map(|values| values as FieldSource);
     let features = detector.detect(file.input(args.options.domain())?);
     meter.finish();
     let features = features.map_err(|source| CliError::detection(&file.path, source))?;
-    let results = Results::of_file(&features, &file)?;
+    let mut results = Results::of_file(&features, &file)?;
+    results.record.field = field.as_ref().map(|field| field.record().clone());
     folder.write(&results, &args.write)?;
     tracing::info!(folder = %output.display(), "wrote");
     if !args.run.quiet {

@@ -26,6 +26,7 @@ mod view;
 mod volume_options;
 mod voxel_options;
 mod voxelize;
+mod weight_option;
 
 use std::io::ErrorKind;
 use std::process::ExitCode;

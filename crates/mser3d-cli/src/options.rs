@@ -7,16 +7,17 @@ use mser3d::comptree::{AltitudeScale, Polarity, PoolParameters, StabilityParamet
 use mser3d::descriptors::TimeScale;
 use mser3d::shape::Domain;
 use mser3d::spectral::{EigenpairRange, Eigensolver, SpectrumParameters};
-use mser3d::{Bodies, DescriptorKind, Parameters, ReliabilityParameters, Weight, available_memory};
+use mser3d::{Bodies, DescriptorKind, Parameters, ReliabilityParameters, available_memory};
 use mser3d_collection::SpectrumCache;
 use mser3d_meshio::ReadOptions;
-use mser3d_results::{ShapeFile, ShapeOptions};
+use mser3d_results::{FieldFile, ShapeFile, ShapeOptions};
 
 use crate::choice::choice;
 use crate::error::CliError;
 use crate::numbers::{count, fraction, positive, zero_or_more};
 use crate::volume_options::VolumeOptions;
 use crate::voxel_options::VoxelOptions;
+use crate::weight_option::{WeightOption, WeightParser};
 
 /// Options of everything that computes regions.
 #[derive(clap::Args, Clone, Debug)]
@@ -26,9 +27,14 @@ pub struct RegionOptions {
           conflicts_with_all = ["size", "origin", "connectivity", "inside", "overlap", "no_cut_links",
                                 "morphology"])]
     pub surface: bool,
-    /// What the component tree is built on
-    #[arg(long, value_parser = choice::<Weight>(), default_value_t = Weight::default(), help_heading = "Method")]
-    pub weight: Weight,
+    /// What the component tree is built on; FIELD.npy: values or vectors of its own for each vertex or voxel
+    #[arg(long, value_name = "WEIGHT|FIELD.npy", value_parser = WeightParser, default_value_t = WeightOption::default(),
+          help_heading = "Method")]
+    pub weight: WeightOption,
+    /// How long heat smooths the weight first, in units of volume^(2/3) (surface: area); not edge and diffusion
+    /// [default: none]
+    #[arg(long, value_name = "T_REL", value_parser = positive, help_heading = "Method")]
+    pub smooth_weight: Option<f64>,
     /// Time scales, in units of volume^(2/3) (surface: area); one tree each, regions pooled
     #[arg(long, value_name = "T_REL,...", value_delimiter = ',', default_values_t = relative_times(),
           value_parser = positive, help_heading = "Method")]
@@ -50,7 +56,8 @@ pub struct RegionOptions {
     /// What to do with a shape of several bodies
     #[arg(long, value_parser = choice::<Bodies>(), default_value_t = Bodies::default(), help_heading = "Method")]
     pub bodies: Bodies,
-    /// Which way the tree grows [default: the one that finds limbs]
+    /// Which way the tree grows [default: the one that finds limbs; of a field where its values are high, of
+    /// vectors where they differ little]
     #[arg(long, value_parser = choice::<Polarity>(), help_heading = "Method")]
     pub polarity: Option<Polarity>,
 
@@ -82,17 +89,16 @@ pub struct RegionOptions {
     #[arg(long, alias = "mode", value_parser = choice::<StabilityRule>(),
           default_value_t = StabilityParameters::default().rule, help_heading = "Regions")]
     pub stability_rule: StabilityRule,
-    /// Half width of the stability window, in units of (log) altitude
+    /// Half width of the stability window, in units of log altitude; linear: of the weight's spread
     #[arg(long, value_name = "D", value_parser = positive, default_value_t = StabilityParameters::default().window,
           help_heading = "Regions")]
     pub window: f64,
     /// Least lifetime of a part, in units of (log) altitude [default: 0.1; with linear altitude 0]
     #[arg(long, value_name = "D", value_parser = zero_or_more, help_heading = "Regions")]
     pub min_lifetime: Option<f64>,
-    /// Scale on which altitude, and so stability, is measured
-    #[arg(long, value_parser = choice::<AltitudeScale>(),
-          default_value_t = StabilityParameters::default().altitude, help_heading = "Regions")]
-    pub altitude: AltitudeScale,
+    /// Scale on which altitude, and so stability, is measured [default: log; linear for curvature and fields]
+    #[arg(long, value_parser = choice::<AltitudeScale>(), help_heading = "Regions")]
+    pub altitude: Option<AltitudeScale>,
     /// Smallest region, as a fraction of the whole
     #[arg(long, value_name = "F", value_parser = fraction,
           default_value_t = StabilityParameters::default().min_volume_fraction, help_heading = "Regions")]
@@ -148,7 +154,8 @@ impl RegionOptions {
                 memory_limit: self.memory_limit.map(|mb| mb.saturating_mul(1_000_000)).or_else(free),
                 ..defaults
             },
-            weight: self.weight,
+            weight: self.weight.weight(),
+            smooth_weight: self.smooth_weight.map(TimeScale::Relative),
             polarity: self.polarity,
             time_scales: if self.absolute_time.is_empty() {
                 self.time_scale.iter().copied().map(TimeScale::Relative).collect()
@@ -160,7 +167,7 @@ impl RegionOptions {
                 rule: self.stability_rule,
                 window: self.window,
                 min_lifetime: self.min_lifetime,
-                altitude: self.altitude,
+                altitude: self.altitude.unwrap_or(self.weight.weight().altitude()),
                 min_volume_fraction: self.min_volume,
                 max_volume_fraction: self.max_volume,
                 min_diversity: self.min_diversity,
@@ -195,6 +202,22 @@ impl RegionOptions {
                 Err(CliError::Usage(format!("{option} needs a mesh; a volume is voxels already")))
             }
             None => Ok(()),
+        }
+    }
+
+    /// The file of the weight, if it has one.
+    pub fn field(&self) -> Result<Option<FieldFile>, CliError> {
+        Ok(self.weight.file().map(FieldFile::read).transpose()?)
+    }
+
+    /// Refuses a weight that belongs to one shape.
+    pub fn refuse_field(&self) -> Result<(), CliError> {
+        match self.weight.file() {
+            None => Ok(()),
+            Some(path) => Err(CliError::Usage(format!(
+                "--weight {}: a field belongs to one shape, and here are many; run mser3d detect for each",
+                path.display()
+            ))),
         }
     }
 

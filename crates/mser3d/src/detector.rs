@@ -4,13 +4,17 @@ use crate::describe::describe_with;
 use crate::features::{Found, FoundOnBody};
 use crate::input::Prepared;
 use crate::progress::{NO_PROGRESS, Progress, ProgressFn, Stage, report};
+use crate::regions::find_regions_with;
 use crate::reliability;
 use crate::run_report::Clock;
-use crate::{Body, DiscreteShape, Error, Features, Input, Parameters, RegionSet, Warning, find_regions};
+use crate::{Body, DiscreteShape, Error, Features, Field, Input, Parameters, RegionSet, Warning, Weight};
 
 /// Where the eigenpairs of a shape come from: [`DiscreteShape::spectrum`], or a cache before it.
 pub type SpectrumSource<'a> =
     &'a (dyn Fn(&DiscreteShape, &SpectrumParameters, ProgressFn) -> Result<Spectrum, Error> + Sync);
+
+/// Where the values of [`Weight::Field`] come from: a field on all elements of the shape that is searched.
+pub type FieldSource<'a> = &'a (dyn Fn(&DiscreteShape) -> Result<Field, Error> + Sync);
 
 /// Finds and describes the stable regions of shapes: the whole pipeline, and all that it can be told.
 ///
@@ -35,6 +39,8 @@ pub struct Detector<'a> {
     pub progress: ProgressFn<'a>,
     /// Where eigenpairs come from. Default: [`DiscreteShape::spectrum`].
     pub spectra: SpectrumSource<'a>,
+    /// The values of [`Weight::Field`]. Default: none.
+    pub field: Option<FieldSource<'a>>,
 }
 
 impl Default for Detector<'_> {
@@ -46,7 +52,7 @@ impl Default for Detector<'_> {
 impl<'a> Detector<'a> {
     /// A detector with these parameters that computes its own spectra and tells nobody how far it is.
     pub fn new(parameters: Parameters) -> Self {
-        Self { parameters, progress: NO_PROGRESS, spectra: &DiscreteShape::spectrum }
+        Self { parameters, progress: NO_PROGRESS, spectra: &DiscreteShape::spectrum, field: None }
     }
 
     /// The same detector, which tells this function how far it is.
@@ -59,19 +65,46 @@ impl<'a> Detector<'a> {
         Self { spectra, ..self }
     }
 
+    /// The same detector, with another weight: any function of the shape's elements, with values or vectors. Altitudes
+    /// become linear, since it may be negative; of one that is positive set them back, if its ratios matter.
+    ///
+    /// What is known at the vertices of a mesh is brought to the elements by [`DiscreteShape::carry`].
+    ///
+    /// ```
+    /// # fn run(mesh: &mser3d::shape::TriangleMesh) -> Result<(), mser3d::Error> {
+    /// use mser3d::{Detector, DiscreteShape, Field, Input, Parameters};
+    ///
+    /// // Parts that stand up: superlevel sets of the height.
+    /// let height = |shape: &DiscreteShape| Field::scalar(shape.positions().iter().map(|p| p[2]).collect());
+    /// let features = Detector::new(Parameters::default()).with_weight(&height).detect(Input::Volume(mesh))?;
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn with_weight(mut self, field: FieldSource<'a>) -> Self {
+        self.parameters.weight = Weight::Field;
+        self.parameters.stability.altitude = Weight::Field.altitude();
+        Self { field: Some(field), ..self }
+    }
+
     /// Finds and describes the stable regions of a shape.
     ///
     /// # Errors
     /// [`Error`]: that of the stage that failed, or [`Error::Cancelled`].
     pub fn detect(&self, input: Input) -> Result<Features, Error> {
-        let Self { parameters, progress, spectra } = self;
+        let Self { parameters, progress, spectra, field } = self;
         parameters.validate()?;
+        if parameters.weight == Weight::Field && field.is_none() {
+            return Err(Error::NoField);
+        }
         let mut clock = Clock::start();
         if let Input::Volume(_) = input {
             report(*progress, Stage::Voxelize, 0, 1)?;
         }
         let Prepared { shape, bodies, voxelization, mut warnings } =
             input.clone().prepare(parameters, *progress)?;
+        if parameters.weight == Weight::Curvature && shape.mesh().is_none() {
+            return Err(Error::NoMesh);
+        }
         if let Some(voxelization) = &voxelization {
             report(*progress, Stage::Voxelize, 1, 1)?;
             let seconds = clock.lap(Stage::Voxelize);
@@ -102,10 +135,19 @@ impl<'a> Detector<'a> {
         tracing::info!(bodies = bodies.len(), seconds, "solved all");
         self.warn_of_spectra(&searched, &mut warnings);
 
+        let field = match (parameters.weight, field) {
+            (Weight::Field, Some(field)) => Some(field(&shape)?),
+            (Weight::Curvature, _) => Some(shape.mean_curvature()?),
+            _ => None,
+        };
+        if let Some(field) = &field {
+            field.expect("voxels or vertices in the shape", shape.len())?;
+        }
         let mut sets = Vec::with_capacity(bodies.len());
         for (number, body) in searched.iter().enumerate() {
             let progress = |told| progress(of_bodies(told, number, bodies.len()));
-            sets.push(find_regions(part(number), &body.basis, parameters, &progress)?);
+            let own = field.as_ref().map(|field| field.of(&body.elements));
+            sets.push(find_regions_with(part(number), &body.basis, own.as_ref(), parameters, &progress)?);
         }
         let seconds = clock.lap(Stage::Regions);
         let count = |sets: &[RegionSet]| sets.iter().map(|set| set.regions.len()).sum::<usize>();
@@ -129,7 +171,10 @@ impl<'a> Detector<'a> {
         let seconds = clock.lap(Stage::Descriptors);
         tracing::info!(regions = regions.len(), seconds, "described regions");
         Ok(Features {
-            parameters: Parameters { polarity: Some(parameters.polarity()), ..parameters.clone() },
+            parameters: Parameters {
+                polarity: Some(parameters.polarity_with(field.as_ref())),
+                ..parameters.clone()
+            },
             shape,
             voxelization,
             bodies: searched,

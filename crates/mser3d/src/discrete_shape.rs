@@ -1,4 +1,6 @@
-use mser3d_laplace::cotangent_laplacian;
+use std::sync::Arc;
+
+use mser3d_laplace::{Operator, cotangent_laplacian, grid_laplacian, mean_curvature};
 use mser3d_shape::{Connectivity, Domain, Graph, TriangleMesh, VoxelGrid};
 use mser3d_spectral::{
     EigenpairRange, SpectralError, Spectrum, SpectrumParameters, smallest_eigenpairs,
@@ -6,11 +8,11 @@ use mser3d_spectral::{
 };
 use mser3d_voxelize::{Voxelization, VoxelizeParameters};
 
-use crate::Error;
 use crate::bodies::Bodies;
 use crate::progress::{NO_PROGRESS, Progress, ProgressFn, Stage};
 use crate::solid::SolidOfMesh;
 use crate::weld::weld;
+use crate::{Error, Field};
 
 /// A shape as heat sees it: the linked voxels of a solid, or the vertices of a surface. Either are its *elements*.
 #[derive(Clone, Debug)]
@@ -20,6 +22,8 @@ pub struct DiscreteShape {
     positions: Vec<[f64; 3]>,
     /// The element of each vertex of the mesh: its nearest voxel, or the vertex that it was welded to.
     element_of_vertex: Vec<Option<u32>>,
+    /// The mesh that voxels are the inside of.
+    mesh: Option<Arc<TriangleMesh>>,
 }
 
 /// The elements of a [`DiscreteShape`], and which of them are neighbours.
@@ -60,17 +64,18 @@ impl DiscreteShape {
 
     /// A solid that is voxels from the start. It has no mesh, so its regions have no vertices.
     pub fn solid(grid: VoxelGrid, connectivity: Connectivity) -> Self {
-        Self::solid_in_mesh(grid, connectivity, Vec::new())
+        Self::solid_in_mesh(grid, connectivity, Vec::new(), None)
     }
 
-    /// A solid, and the voxel of each vertex of the mesh around it.
+    /// A solid, the voxel of each vertex of the mesh around it, and the mesh.
     pub(crate) fn solid_in_mesh(
         grid: VoxelGrid,
         connectivity: Connectivity,
         element_of_vertex: Vec<Option<u32>>,
+        mesh: Option<Arc<TriangleMesh>>,
     ) -> Self {
         let positions = grid.voxels().map(|v| grid.frame().centre(v)).collect();
-        Self { elements: Elements::Voxels { grid, connectivity }, positions, element_of_vertex }
+        Self { elements: Elements::Voxels { grid, connectivity }, positions, element_of_vertex, mesh }
     }
 
     /// The surface of a mesh, all pieces of it. Vertices at equal positions are one element, numbered by the first of
@@ -86,7 +91,7 @@ impl DiscreteShape {
     fn of_surface(mesh: TriangleMesh, element_of_vertex: Vec<Option<u32>>) -> Self {
         let positions = mesh.vertices().to_vec();
         let edges = mesh.edge_graph();
-        Self { elements: Elements::Vertices { mesh, edges }, positions, element_of_vertex }
+        Self { elements: Elements::Vertices { mesh, edges }, positions, element_of_vertex, mesh: None }
     }
 
     /// Some of the components as a shape on its own; `keep` says which elements.
@@ -104,7 +109,8 @@ impl DiscreteShape {
         let element_of_vertex = self.element_of_vertex.iter().map(renumbered).collect();
         Ok(match &self.elements {
             Elements::Voxels { grid, connectivity } => {
-                Self::solid_in_mesh(grid.restrict(keep), *connectivity, element_of_vertex)
+                let mesh = self.mesh.clone();
+                Self::solid_in_mesh(grid.restrict(keep), *connectivity, element_of_vertex, mesh)
             }
             Elements::Vertices { mesh, .. } => {
                 let positions = mesh.vertices().iter().zip(&number).filter_map(|(p, n)| n.map(|_| *p));
@@ -147,6 +153,40 @@ impl DiscreteShape {
             Elements::Voxels { grid, .. } => Some(grid),
             Elements::Vertices { .. } => None,
         }
+    }
+
+    /// The mesh of a surface, vertices welded and only what is searched, or the whole mesh that a solid is the inside of. None of a
+    /// solid that is voxels from the start, and of bodies taken out of one.
+    pub fn mesh(&self) -> Option<&TriangleMesh> {
+        match &self.elements {
+            Elements::Voxels { .. } => self.mesh.as_deref(),
+            Elements::Vertices { mesh, .. } => Some(mesh),
+        }
+    }
+
+    /// The mean curvature of each element, in length^-1: of a surface that of its vertices
+    /// ([`mser3d_laplace::mean_curvature`]), of the solid in a mesh that of its surface, [carried](Self::carry) inside.
+    ///
+    /// # Errors
+    /// [`Error::NoMesh`] of a solid that is voxels from the start, [`Error::Laplace`].
+    pub fn mean_curvature(&self) -> Result<Field, Error> {
+        match (&self.elements, &self.mesh) {
+            (Elements::Vertices { mesh, .. }, _) => Field::scalar(mean_curvature(mesh)?),
+            (Elements::Voxels { .. }, None) => Err(Error::NoMesh),
+            (Elements::Voxels { .. }, Some(mesh)) => {
+                let (welded, number) = weld(mesh)?;
+                let curvature = mean_curvature(&welded)?;
+                self.carry(&Field::scalar(number.into_iter().map(|v| curvature[v as usize]).collect())?)
+            }
+        }
+    }
+
+    /// Its Laplacian.
+    pub(crate) fn operator(&self) -> Result<Operator, Error> {
+        Ok(match &self.elements {
+            Elements::Voxels { grid, .. } => grid_laplacian(grid),
+            Elements::Vertices { mesh, .. } => cotangent_laplacian(mesh)?,
+        })
     }
 
     /// Volume or surface.

@@ -31,6 +31,52 @@ pub enum Error {
         /// Cube root of the volume, or the surface's diagonal.
         length: f64,
     },
+    /// A field for another shape.
+    #[error("the field has {found} values, but there are {expected} {what}; it needs one value for each")]
+    FieldLength {
+        /// Values of the field.
+        found: usize,
+        /// How many are needed.
+        expected: usize,
+        /// What needs them.
+        what: &'static str,
+    },
+    /// A field whose numbers are no whole number of vectors.
+    #[error("{values} numbers are no whole number of vectors of {width}")]
+    FieldWidth {
+        /// Numbers of the field.
+        values: usize,
+        /// Numbers of a vector.
+        width: usize,
+    },
+    /// A value that is no weight.
+    #[error("{place} is {value}; a weight is a finite number of at most 1e100 in size, so fill gaps first")]
+    FieldValue {
+        /// Which value, in words.
+        place: String,
+        /// The number.
+        value: f64,
+    },
+    /// A field is to be the weight, and none was given.
+    #[error(
+        "the weight is a field, and none was given; give one by Detector::with_weight or find_regions_of_field"
+    )]
+    NoField,
+    /// What needs a mesh was asked of a solid that is voxels from the start.
+    #[error(
+        "a mask or solid of voxels has no mesh around it, whose curvature or values could be taken; choose another weight, or a \
+         field of its voxels"
+    )]
+    NoMesh,
+    /// Altitudes on a log scale, and a weight that has no logarithm.
+    #[error(
+        "the weight is {value:e} in some place, which has no logarithm; choose linear altitudes (--altitude linear) or a \
+         weight that is positive"
+    )]
+    NoLogarithm {
+        /// The lowest weight.
+        value: f64,
+    },
     /// A parameter of the pipeline itself is out of range.
     #[error(transparent)]
     InvalidParameter(#[from] InvalidParameter),

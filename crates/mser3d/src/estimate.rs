@@ -1,5 +1,6 @@
 use std::ops::ControlFlow;
 
+use mser3d_descriptors::TimeScale;
 use mser3d_shape::{Domain, TriangleMesh};
 use mser3d_spectral::Eigensolver;
 
@@ -59,7 +60,7 @@ impl Parameters {
     pub fn estimate(&self, input: &Input) -> Estimate {
         let n = input.expected_elements(self);
         let eigenpairs = self.spectrum.eigenpairs.about(input.domain()).min(n.max(1));
-        let links = if self.weight == Weight::Edge { 2.0 } else { 1.0 };
+        let links = if self.weight.is_of_elements() { 1.0 } else { 2.0 };
         let trees = if self.weight.has_time_scale() { self.time_scales.len() } else { 1 };
         let samples = match &self.descriptor {
             Descriptor::SizedSiHks(own) | Descriptor::SiHks(own) => own.samples(),
@@ -72,13 +73,15 @@ impl Parameters {
             Domain::Volume => volume_spectrum(elements, k, self.spectrum.solver),
             Domain::Surface => surface_spectrum(elements, k),
         };
+        let weight = weight_work(self, input, elements);
         let stages = StageSeconds {
             voxelize: solid.seconds,
             spectrum: spectrum.seconds,
-            regions: links * trees as f64 * elements * (160e-9 + 0.4e-9 * k),
+            regions: links * trees as f64 * elements * (160e-9 + 0.4e-9 * k) + weight.seconds,
             descriptors: elements * samples as f64 * (1.8e-9 + 0.035e-9 * k),
         };
-        let memory = MEMORY + 8.0 * spectrum.numbers + 200.0 * elements + 2.0 * in_box;
+        let numbers = spectrum.numbers + weight.numbers;
+        let memory = MEMORY + 8.0 * numbers + 200.0 * elements + 2.0 * in_box;
         Estimate {
             elements: n,
             eigenpairs,
@@ -89,7 +92,7 @@ impl Parameters {
     }
 }
 
-/// What the spectrum takes.
+/// What a part of the work takes.
 struct Work {
     seconds: f64,
     /// Numbers in memory at its peak.
@@ -134,6 +137,22 @@ fn surface_spectrum(n: f64, k: f64) -> Work {
         seconds: 5e-6 * n + 7.4e-9 * n * n.log2() * k + orthogonalization(n, k) + 6.5e-9 * k.powi(3),
         numbers: n * (2.6 * k + 60.0) + 6.0 * n * n.log2(),
     })
+}
+
+/// Harmonic functions, where the weight lies on the surface of a solid, and heat that smooths; both on sparse matrices.
+fn weight_work(parameters: &Parameters, input: &Input, n: f64) -> Work {
+    let weight = parameters.weight;
+    let carried = matches!(weight, Weight::Curvature | Weight::Field) && matches!(input, Input::Volume(_));
+    let carry = if carried { 33e-9 * n.powf(4.0 / 3.0) } else { 0.0 };
+    let dimension = f64::from(input.domain().dimension());
+    let smooth = match parameters.smooth_weight {
+        // Products with the matrix, and what one takes.
+        Some(TimeScale::Relative(t)) => (8.0 + 15.0 * t.sqrt() * n.powf(1.0 / dimension)) * 9e-9 * n,
+        Some(TimeScale::Absolute(_)) | None => 0.0,
+    };
+    let times = if weight.has_time_scale() { parameters.time_scales.len() } else { 1 };
+    let matrix = if carried || parameters.smooth_weight.is_some() { 30.0 * n } else { 0.0 };
+    Work { seconds: carry + times as f64 * smooth, numbers: matrix }
 }
 
 /// The nearest voxel of each vertex.

@@ -12,6 +12,8 @@
 //!   [`DiscreteShape::surface`] or [`DiscreteShape::solid`] make what heat flows on,
 //!   [`DiscreteShape::spectrum`] its eigenbasis, [`find_regions`] the regions for any number of weights,
 //!   [`describe`] their descriptors.
+//! * Any other weight is a [`Field`]: a number or a vector for each element, from a function that
+//!   [`Detector::with_weight`] takes.
 //!
 //! ```
 //! use mser3d::{Detector, Input, Parameters};
@@ -38,12 +40,14 @@
 #![warn(missing_docs)]
 
 mod bodies;
+mod carry;
 mod describe;
 mod detector;
 mod discrete_shape;
 mod error;
 mod estimate;
 mod features;
+mod field;
 mod input;
 mod memory;
 mod parameters;
@@ -54,22 +58,24 @@ mod run_report;
 mod shells;
 mod solid;
 mod warning;
+mod weighing;
 mod weight;
 mod weld;
 
 pub use bodies::{Bodies, MIN_BODY_ELEMENTS, MIN_BODY_FRACTIONS};
 pub use describe::describe;
-pub use detector::{Detector, SpectrumSource};
+pub use detector::{Detector, FieldSource, SpectrumSource};
 pub use discrete_shape::{DiscreteShape, Elements};
 pub use error::Error;
 pub use estimate::{Estimate, StageSeconds};
 pub use features::{Body, Features};
+pub use field::{Field, LARGEST_WEIGHT};
 pub use input::Input;
 pub use memory::{available_memory, peak_memory};
 pub use mser3d_shape::Domain;
 pub use parameters::{Descriptor, DescriptorKind, Parameters};
 pub use progress::{NO_PROGRESS, Progress, ProgressFn, Stage};
-pub use regions::{Region, RegionSet, Tree, find_regions};
+pub use regions::{Region, RegionSet, Tree, find_regions, find_regions_of_field};
 pub use reliability::ReliabilityParameters;
 pub use run_report::{RunReport, StageReport};
 pub use warning::Warning;

@@ -4,7 +4,7 @@ use mser3d_shape::InvalidParameter;
 use mser3d_spectral::SpectrumParameters;
 use mser3d_voxelize::VoxelizeParameters;
 
-use crate::{Bodies, Error, ReliabilityParameters, Weight};
+use crate::{Bodies, Error, Field, ReliabilityParameters, Weight};
 
 mser3d_shape::choice! {
     /// The kinds of [`Descriptor`].
@@ -76,7 +76,11 @@ pub struct Parameters {
     pub spectrum: SpectrumParameters,
     /// What the tree is built on. Default: [`Weight::Heat`].
     pub weight: Weight,
-    /// Which way the tree grows. Default: none, the weight's own [`Weight::polarity`].
+    /// How long heat smooths the weight before the tree is built; only weights of elements, not those of links (edge, diffusion).
+    /// Vectors are smoothed number by number. See [`mser3d_laplace::Operator::heat_flow`] for how exact it is; a
+    /// time of T blurs over a length of about 2 sqrt(T). Default: none.
+    pub smooth_weight: Option<TimeScale>,
+    /// Which way the tree grows. Default: none, the weight's own [`Weight::polarity`]; of a field of vectors sublevel.
     pub polarity: Option<Polarity>,
     /// One tree for each time scale. Default: 0.25 and 2, relative to the shape's size. They are far apart on
     /// purpose: a region changes gradually with time, so scales in between add near repetitions, and on
@@ -85,7 +89,11 @@ pub struct Parameters {
     /// The volume (or area) that relative time scales and descriptors refer to, in length^3 (or
     /// length^2). Give all poses of a body the measure of one of them. Default: none, each its own.
     pub reference_measure: Option<f64>,
-    /// Which nodes of a tree are regions.
+    /// Which nodes of a tree are regions. Its scale of altitudes has to suit the weight: [`Parameters::of_weight`]. Where it is
+    /// linear, all altitudes of stability (the window, the least stability, lifetimes) are in units of the weight's spread
+    /// over the body, so that they don't depend on the unit of the weight: its root mean square, or of a field of values,
+    /// whose zero says nothing, its standard deviation. So what is nearly the same everywhere, as the curvature of a ball, has no
+    /// altitudes to speak of.
     pub stability: StabilityParameters,
     /// How the regions of several time scales become one set.
     pub pool: PoolParameters,
@@ -102,6 +110,7 @@ impl Default for Parameters {
             voxelize: VoxelizeParameters::default(),
             spectrum: SpectrumParameters::default(),
             weight: Weight::default(),
+            smooth_weight: None,
             polarity: None,
             time_scales: [0.25, 2.0].map(TimeScale::Relative).to_vec(),
             reference_measure: None,
@@ -114,6 +123,13 @@ impl Default for Parameters {
 }
 
 impl Parameters {
+    /// The defaults for a weight, with [the scale of altitudes](Weight::altitude) that suits it.
+    pub fn of_weight(weight: Weight) -> Self {
+        let mut parameters = Self { weight, ..Self::default() };
+        parameters.stability.altitude = weight.altitude();
+        parameters
+    }
+
     /// Checks all parameters, those of the stages included.
     ///
     /// # Errors
@@ -143,6 +159,18 @@ impl Parameters {
             "empty",
             "one time scale at least, such as 0.5",
         )?;
+        if let Some(scale) = self.smooth_weight {
+            scale.with_unit(1.0)?;
+            InvalidParameter::unless(
+                self.weight.is_of_elements(),
+                "smooth_weight",
+                scale,
+                format!(
+                    "none with the weight {}, which is one of links; a longer time scale smooths it",
+                    self.weight
+                ),
+            )?;
+        }
         let measure = self.reference_measure.unwrap_or(1.0);
         let good = measure.is_finite() && measure > 0.0;
         InvalidParameter::unless(good, "reference_measure", measure, "a positive volume or area")?;
@@ -160,5 +188,13 @@ impl Parameters {
     /// Which way the tree grows: as given, or as the weight asks.
     pub fn polarity(&self) -> Polarity {
         self.polarity.unwrap_or(self.weight.polarity())
+    }
+
+    /// The same, where the weight may be a field.
+    pub(crate) fn polarity_with(&self, field: Option<&Field>) -> Polarity {
+        match (self.polarity, field) {
+            (None, Some(field)) if field.has_vectors() => Polarity::Sublevel,
+            _ => self.polarity(),
+        }
     }
 }

@@ -1,14 +1,14 @@
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use mser3d_comptree::{ComponentTree, Merge, Selection, pool, stable_regions};
+use mser3d_comptree::{ComponentTree, Merge, Selection, pool};
 use mser3d_descriptors::TimeScale;
 use mser3d_shape::{Eigenbasis, IndexSet};
 use rayon::prelude::*;
 
 use crate::progress::{ProgressFn, Stage, report};
-use crate::weight::WeightValues;
-use crate::{DiscreteShape, Error, Parameters};
+use crate::weighing::Weighing;
+use crate::{DiscreteShape, Error, Field, Parameters, Weight};
 
 /// A stable region.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,13 +21,14 @@ pub struct Region {
     /// Which of the trees it was found in.
     pub tree: usize,
     /// The weight at which it is complete: for the heat weights length^-3 in a volume, length^-2 on a
-    /// surface (inverse for [`crate::Weight::Edge`]).
+    /// surface (inverse for [`Weight::Edge`]).
     pub altitude: f64,
-    /// s(l) = vol(l) / (d vol / d l) (eq. 5), where l is the altitude, by default its logarithm: the region's volume over the
+    /// s(l) = vol(l) / (d vol / d l) (eq. 5), where l is the altitude, by default its logarithm, or on the linear scale its multiple of
+    /// the weight's spread ([`Parameters::stability`]): the region's volume over the
     /// rate at which it changes with l. By default the rate is measured over a window, `(vol(l + d) - vol(l - d)) / 2d`. No unit.
     /// Infinite where the volume does not change, NaN by the rule `baseline`, which measures none.
     pub stability: f64,
-    /// How long its part stays on its own, in altitude (by default its logarithm), smaller parts that join it included.
+    /// How long its part stays on its own, in altitude (as for stability), smaller parts that join it included.
     pub persistence: f64,
     /// The real merge that ends it, if it is the last component before one. Its lifetime is the score to
     /// rank regions by: those that last longest are found again most surely. Regions without a merge rank last.
@@ -55,9 +56,9 @@ pub struct Tree {
     /// The body that it is of, as a place in [`Features::bodies`](crate::Features::bodies). Its vertices are that body's
     /// elements, numbered as there.
     pub body: usize,
-    /// The time scale of its weight; none for the commute time.
+    /// The time scale of its weight; none for a weight without time, such as the commute time.
     pub time_scale: Option<TimeScale>,
-    /// The time in length^2; none for the commute time.
+    /// The time in length^2; none for a weight without time.
     pub time: Option<f64>,
     /// The tree.
     pub tree: ComponentTree,
@@ -71,7 +72,7 @@ pub struct Tree {
 pub struct RegionSet {
     /// By descending volume.
     pub regions: Vec<Region>,
-    /// One tree for each time scale.
+    /// One tree for each time scale, or one.
     pub trees: Vec<Tree>,
     /// Regions of one tree that were dropped because another tree had them too.
     pub duplicates: usize,
@@ -81,10 +82,39 @@ pub struct RegionSet {
 /// one body.
 ///
 /// # Errors
-/// [`Error::Tree`], [`Error::Descriptor`] (weights), [`Error::InvalidParameter`], [`Error::Cancelled`].
+/// [`Error::Tree`], [`Error::Descriptor`] and [`Error::Laplace`] (weights), [`Error::InvalidParameter`], [`Error::Cancelled`];
+/// [`Error::NoField`] for [`Weight::Field`], which [`find_regions_of_field`] is for; [`Error::NoMesh`];
+/// [`Error::NoLogarithm`].
 pub fn find_regions(
     shape: &DiscreteShape,
     basis: &Eigenbasis,
+    parameters: &Parameters,
+    progress: ProgressFn,
+) -> Result<RegionSet, Error> {
+    find_regions_with(shape, basis, None, parameters, progress)
+}
+
+/// As [`find_regions`], with a field on the elements as the weight, whatever the parameters' own is. Altitudes are as the
+/// parameters say; take those of [`Parameters::of_weight`].
+///
+/// # Errors
+/// As for [`find_regions`], and [`Error::FieldLength`].
+pub fn find_regions_of_field(
+    shape: &DiscreteShape,
+    basis: &Eigenbasis,
+    field: &Field,
+    parameters: &Parameters,
+    progress: ProgressFn,
+) -> Result<RegionSet, Error> {
+    let parameters = Parameters { weight: Weight::Field, ..parameters.clone() };
+    find_regions_with(shape, basis, Some(field), &parameters, progress)
+}
+
+/// As [`find_regions`]; `field` has the values of weights that are no matter of heat.
+pub(crate) fn find_regions_with(
+    shape: &DiscreteShape,
+    basis: &Eigenbasis,
+    field: Option<&Field>,
     parameters: &Parameters,
     progress: ProgressFn,
 ) -> Result<RegionSet, Error> {
@@ -97,7 +127,7 @@ pub fn find_regions(
     let measure = basis.measure();
     let reference = parameters.reference_measure.unwrap_or(measure);
     let unit_time = reference.powf(2.0 / f64::from(basis.domain().dimension()));
-    let polarity = parameters.polarity();
+    let weighing = Weighing::new(shape, basis, field, parameters, unit_time)?;
     let done = Mutex::new(0);
     // Locked while it is told, so that progress only rises.
     let told = |more: usize| {
@@ -109,12 +139,12 @@ pub fn find_regions(
     let search = |&time_scale: &Option<TimeScale>| {
         let time = time_scale.map(|scale| scale.with_unit(unit_time)).transpose()?;
         let start = Instant::now();
-        let values = WeightValues::new(shape, basis, parameters.weight, time.unwrap_or_default())?;
+        let values = weighing.at(time.unwrap_or_default())?;
         let weighed = start.elapsed();
         told(0)?;
-        let tree = values.tree(shape, basis.mass(), polarity)?;
+        let tree = values.tree(&weighing)?;
         told(0)?;
-        let selection = stable_regions(&tree, &parameters.stability)?;
+        let selection = values.stable_regions(&tree, &parameters.stability)?;
         let searched = start.elapsed() - weighed;
         let report = &selection.report;
         let (nodes, candidates, kept) = (report.nodes, report.candidates, report.kept);

@@ -1,5 +1,7 @@
 //! From a mesh to the solid that is searched, and back to the mesh's vertices.
 
+use std::sync::Arc;
+
 use mser3d_shape::{BoundingBox, Domain, NearestVoxels, TriangleMesh, VoxelGrid};
 use mser3d_voxelize::{Voxelization, VoxelizeError, VoxelizeParameters, voxelize_with};
 use rayon::prelude::*;
@@ -56,7 +58,8 @@ impl SolidOfMesh {
             (elements, whole.keep(kept, parts.dropped()))
         };
         let warnings = warnings(&voxelization, parts.warning(Domain::Volume));
-        let shape = DiscreteShape::solid_in_mesh(voxelization.grid.clone(), connectivity, elements);
+        let grid = voxelization.grid.clone();
+        let shape = DiscreteShape::solid_in_mesh(grid, connectivity, elements, Some(Arc::new(mesh.clone())));
         Ok(Self { shape, voxelization, bodies: parts.searched(), warnings })
     }
 }

@@ -1,8 +1,4 @@
-use mser3d_comptree::{ComponentTree, Polarity, join_levels};
-use mser3d_descriptors::{auto_diffusivity, commute_time, inverse_heat_kernel};
-use mser3d_shape::Eigenbasis;
-
-use crate::{DiscreteShape, Elements, Error};
+use mser3d_comptree::{AltitudeScale, Polarity};
 
 mser3d_shape::choice! {
     /// What the component tree is built on, section 4.3.
@@ -20,73 +16,49 @@ mser3d_shape::choice! {
         ///
         /// It is low where heat passes easily: sublevel sets.
         Edge = "edge",
+        /// The diffusion distance of neighbours over their distance: where heat spreads differently
+        ///
+        /// `|H_t(u,.) - H_t(v,.)| / |u - v|` (Coifman & Lafon 2006), in length^-5/2 in a volume, length^-2 on a surface. Without
+        /// the division a long edge would be a high wall. It is low inside of parts: sublevel sets.
+        Diffusion = "diffusion",
+        /// The mean curvature of a mesh's surface, in a volume carried inside
+        ///
+        /// Signed, in length^-1: positive on what bulges, 1/r on a ball, negative where it is hollow (Digne et al. 2010). Superlevel
+        /// sets: ridges and limbs; sublevel sets are valleys. In a volume see
+        /// [`DiscreteShape::carry`](crate::DiscreteShape::carry). A mask has no such surface.
+        Curvature = "curvature",
+        /// The values of a file in place of this name, FIELD.npy: a value or a vector for each vertex or voxel
+        ///
+        /// See [`Field`](crate::Field) and [`Detector::with_weight`](crate::Detector::with_weight). Superlevel sets of values,
+        /// sublevel sets of the distances between vectors.
+        Field = "field",
     }
 }
 
 impl Weight {
-    /// The polarity that finds protrusions and limbs.
+    /// The polarity that finds protrusions and limbs; of a field, that for values.
     pub fn polarity(self) -> Polarity {
         match self {
-            Self::Heat | Self::Commute => Polarity::Superlevel,
-            Self::Edge => Polarity::Sublevel,
+            Self::Heat | Self::Commute | Self::Curvature | Self::Field => Polarity::Superlevel,
+            Self::Edge | Self::Diffusion => Polarity::Sublevel,
         }
     }
 
     /// Whether it depends on a time scale.
     pub fn has_time_scale(self) -> bool {
-        self != Self::Commute
-    }
-}
-
-/// The values of a weight on a shape: what a component tree is built over.
-pub(crate) enum WeightValues {
-    Vertices(Vec<f64>),
-    Edges(Vec<[u32; 2]>, Vec<f64>),
-}
-
-/// Weights that differ by less, relatively, are one level. Eigenfunctions of a symmetric solid are symmetric to 1e-13,
-/// and its voxels' weights lie 1e-4 apart.
-const ROUNDING: f64 = 1e-9;
-
-fn levels(mut weights: Vec<f64>) -> Vec<f64> {
-    join_levels(&mut weights, ROUNDING);
-    weights
-}
-
-impl WeightValues {
-    /// A weight on a shape; `t` is the time in length^2, where the weight has one.
-    pub fn new(shape: &DiscreteShape, basis: &Eigenbasis, weight: Weight, t: f64) -> Result<Self, Error> {
-        Ok(match weight {
-            Weight::Heat => Self::Vertices(levels(auto_diffusivity(basis, t)?)),
-            Weight::Commute => Self::Vertices(levels(commute_time(basis)?)),
-            Weight::Edge => {
-                let edges: Vec<[u32; 2]> = match shape.elements() {
-                    Elements::Voxels { grid, connectivity } => grid.graph(*connectivity)?.edges().collect(),
-                    Elements::Vertices { edges, .. } => edges.edges().collect(),
-                };
-                let weights = inverse_heat_kernel(basis, t, &edges)?;
-                Self::Edges(edges, levels(weights))
-            }
-        })
+        matches!(self, Self::Heat | Self::Edge | Self::Diffusion)
     }
 
-    /// The component tree over them.
-    pub fn tree(
-        &self,
-        shape: &DiscreteShape,
-        volumes: &[f64],
-        polarity: Polarity,
-    ) -> Result<ComponentTree, Error> {
-        Ok(match (self, shape.elements()) {
-            (Self::Edges(edges, weights), _) => {
-                ComponentTree::from_edge_weights(shape.len(), edges, weights, volumes, polarity)?
-            }
-            (Self::Vertices(values), Elements::Voxels { grid, connectivity }) => {
-                ComponentTree::from_voxel_grid(grid, *connectivity, values, volumes, polarity)?
-            }
-            (Self::Vertices(values), Elements::Vertices { edges, .. }) => {
-                ComponentTree::from_graph(edges, values, volumes, polarity)?
-            }
-        })
+    /// The scale of altitudes that suits it: the logarithm, unless it may be zero or negative.
+    pub fn altitude(self) -> AltitudeScale {
+        match self {
+            Self::Heat | Self::Commute | Self::Edge | Self::Diffusion => AltitudeScale::Log,
+            Self::Curvature | Self::Field => AltitudeScale::Linear,
+        }
+    }
+
+    /// Whether it is one of elements, which heat can smooth, and not of the links between them.
+    pub fn is_of_elements(self) -> bool {
+        !matches!(self, Self::Edge | Self::Diffusion)
     }
 }

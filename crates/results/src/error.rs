@@ -75,6 +75,14 @@ pub enum ResultsError {
     /// A parameter out of range.
     #[error(transparent)]
     InvalidParameter(#[from] mser3d_shape::InvalidParameter),
+    /// A weight from a file that does not belong to the shape, or is none.
+    #[error("{}: {reason}", path.display())]
+    Field {
+        /// The file.
+        path: PathBuf,
+        /// Why, and what is expected.
+        reason: String,
+    },
     /// Something that only volumes have was asked of a mesh.
     #[error("{}: {option} needs a volume (mask or label map), and this is a mesh", path.display())]
     NoVolume {

@@ -59,6 +59,7 @@
 mod draw;
 mod error;
 mod export;
+mod field_file;
 mod folder;
 mod inspect;
 mod label_map;
@@ -74,6 +75,7 @@ mod write;
 
 pub use draw::{RegionPair, matched_colours};
 pub use error::ResultsError;
+pub use field_file::{FieldFile, FieldRecord};
 pub use folder::ResultsFolder;
 pub use inspect::{Inspection, ValuesRecord};
 pub use label_map::LabelMap;

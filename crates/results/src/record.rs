@@ -10,7 +10,7 @@ use mser3d_shape::vector::scale;
 use mser3d_shape::{Affine, Domain, VoxelGrid};
 use serde::{Deserialize, Serialize};
 
-use crate::{OrientedBox, VolumeRecord};
+use crate::{FieldRecord, OrientedBox, VolumeRecord};
 
 /// The layout of `regions.json` and `features.npz` that this version writes and reads.
 pub const FORMAT: u32 = 3;
@@ -33,6 +33,8 @@ pub struct Record {
     pub domain: Domain,
     /// Every parameter that the result depends on.
     pub parameters: Parameters,
+    /// The file that the weight came from; none where it came from none.
+    pub field: Option<FieldRecord>,
     /// The grid of the voxels; none for surfaces.
     pub grid: Option<GridRecord>,
     /// How the mesh became voxels; none for surfaces and masks.
@@ -190,9 +192,9 @@ pub struct SearchedBodyRecord {
 pub struct TreeRecord {
     /// The body that it is of.
     pub body: u32,
-    /// Its time scale; none for the commute time.
+    /// Its time scale; none for a weight without time, such as the commute time.
     pub time_scale: Option<TimeScale>,
-    /// The time in length^2; none for the commute time.
+    /// The time in length^2; none for a weight without time.
     pub time: Option<f64>,
     /// Which way it grows.
     pub polarity: Polarity,
@@ -216,7 +218,7 @@ pub struct RegionRecord {
     pub tree: u32,
     /// The weight at which it is complete: of the heat kernel in length^-3 in a volume, length^-2 on a surface.
     pub altitude: f64,
-    /// vol(l) / (d vol / d l), where l is the altitude, by default its logarithm (eq. 5): see [`mser3d::Region::stability`]. In JSON `"Infinity"`
+    /// vol(l) / (d vol / d l), where l is the altitude, by default its logarithm, or its multiple of the weight's spread (eq. 5): see [`mser3d::Region::stability`]. In JSON `"Infinity"`
     /// where the volume does not change, null where none was measured (NaN).
     #[serde(with = "stability")]
     #[cfg_attr(feature = "schema", schemars(with = "stability::Stability"))]
@@ -224,7 +226,7 @@ pub struct RegionRecord {
     /// How surely it is found again when the body moves, 0 to 1: see [`mser3d::Region::reliability`]. None where it was not
     /// measured.
     pub reliability: Option<f64>,
-    /// How long it lasts before the real merge that ends it, in altitude (by default its logarithm); none where no merge does.
+    /// How long it lasts before the real merge that ends it, in altitude (as for stability); none where no merge does.
     pub lifetime: Option<f64>,
     /// Volume in length^3, or area in length^2.
     pub volume: f64,
@@ -300,6 +302,7 @@ impl Record {
             grid: grid
                 .map(|frame| GridRecord { dims: frame.dims(), affine: affine.unwrap_or(frame.affine()) }),
             parameters: features.parameters.clone(),
+            field: None,
             voxelization: features.voxelization.as_ref().map(VoxelizationRecord::from),
             spectrum: bodies[0].spectrum.clone(),
             bodies,

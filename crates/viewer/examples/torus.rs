@@ -50,6 +50,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
         parent: None,
         altitude: 0.5,
         stability: 10.0,
+        reliability: None,
         volume: 1.0,
         volume_fraction: 0.3,
         vertices,

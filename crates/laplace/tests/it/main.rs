@@ -1,5 +1,7 @@
 //! Facts about operators, and how the crate is used.
 
+mod heat_flow;
+mod mean_curvature;
 mod operators;
 
 #[path = "../../examples/cooling.rs"]

@@ -15,3 +15,4 @@ mod shell;
 mod system;
 mod volumes;
 mod voxelize;
+mod weights;

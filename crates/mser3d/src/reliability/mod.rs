@@ -9,7 +9,8 @@ use mser3d_spectral::{EigenpairRange, SpectrumParameters};
 use rayon::prelude::*;
 
 use crate::progress::{Progress, ProgressFn, Stage, report};
-use crate::{Body, DiscreteShape, Error, Input, Parameters, Region, RegionSet, find_regions};
+use crate::regions::find_regions_with;
+use crate::{Body, DiscreteShape, Error, Input, Parameters, Region, RegionSet, Weight};
 use deformed::{Deformed, Original};
 
 /// How the reliability of regions is measured, and which of them are kept.
@@ -76,7 +77,8 @@ fn chance(overlap: f64) -> f64 {
 /// Measures the reliability of regions, and drops those below the minimum.
 ///
 /// The shape is deformed at random and searched again as often as asked, with the eigenpairs that its times need. `sets`
-/// holds the regions of each body, with the elements numbered as in the body.
+/// holds the regions of each body, with the elements numbered as in the body. Nothing is measured of a shape that was made
+/// before, or of a field of values, as their copies are not known.
 pub(crate) fn measure(
     input: &Input,
     shape: &DiscreteShape,
@@ -86,7 +88,8 @@ pub(crate) fn measure(
     progress: ProgressFn,
 ) -> Result<(), Error> {
     let own = &parameters.reliability;
-    let Some(original) = Original::of(input).filter(|_| own.deformations > 0) else { return Ok(()) };
+    let can = own.deformations > 0 && parameters.weight != Weight::Field;
+    let Some(original) = Original::of(input).filter(|_| can) else { return Ok(()) };
     let total = own.deformations;
     report(progress, Stage::Reliability, 0, total)?;
     let elements: Vec<Vec<u32>> = sets
@@ -166,13 +169,18 @@ fn overlaps(
     progress: ProgressFn,
 ) -> Result<Vec<f64>, Error> {
     let (shape, bodies) = (&copy.prepared.shape, &copy.prepared.bodies);
+    let field = match parameters.weight {
+        Weight::Curvature => Some(shape.mean_curvature()?),
+        _ => None,
+    };
     let parts = if bodies.len() > 1 { shape.split(bodies)? } else { Vec::new() };
     let mut found = Vec::new();
     for (body, elements) in bodies.iter().enumerate() {
         let part = parts.get(body).unwrap_or(shape);
         let Some(wanted) = spectra.get(body).or(spectra.last()) else { continue };
         let basis = part.spectrum(wanted, progress)?.basis;
-        let regions = find_regions(part, &basis, parameters, progress)?.regions;
+        let own = field.as_ref().map(|field| field.of(elements));
+        let regions = find_regions_with(part, &basis, own.as_ref(), parameters, progress)?.regions;
         found.extend(regions.iter().map(|region| in_shape(&region.elements, elements)));
     }
     copy.best_overlaps(regions, &found)

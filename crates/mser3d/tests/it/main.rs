@@ -5,6 +5,7 @@ mod example;
 
 mod bodies;
 mod reliability;
+mod weights;
 mod without_parts;
 
 use std::ops::ControlFlow;

@@ -21,6 +21,7 @@ fn region<'a>(vertices: &'a [u32], voxels: &'a [u32], volume: f64) -> PageRegion
         parent: None,
         altitude: 0.5,
         stability: f64::INFINITY,
+        reliability: None,
         volume,
         volume_fraction: 0.5,
         vertices,

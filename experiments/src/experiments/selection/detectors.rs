@@ -32,6 +32,15 @@ pub fn all() -> Vec<Detector> {
     }
     add("weight", "commute time", &|p| p.weight = Weight::Commute);
     add("weight", "1/H(u,v) on links", &|p| p.weight = Weight::Edge);
+    add("weight", "diffusion distance on links", &|p| p.weight = Weight::Diffusion);
+    for (time, title) in [(None, "mean curvature"), (Some(0.002), "mean curvature, smoothed for 0.002")] {
+        add("weight", title, &|p| {
+            p.weight = Weight::Curvature;
+            p.stability.altitude = p.weight.altitude();
+            p.smooth_weight = time.map(TimeScale::Relative);
+        });
+    }
+    add("weight", "H(v,v), smoothed for 0.01", &|p| p.smooth_weight = Some(TimeScale::Relative(0.01)));
     for scales in [
         &[0.25][..],
         &[0.5],
@@ -56,8 +65,7 @@ pub fn all() -> Vec<Detector> {
         });
     }
     add(NEIGHBOURS, "26 neighbours", &|_| {});
-    add("altitude", "linear altitude, window 0.2 of the mean", &|p| {
-        // Times the volume, the mean of H is about 1 to 2 at these times.
+    add("altitude", "linear altitude, window 0.2 of the root mean square", &|p| {
         p.stability.altitude = AltitudeScale::Linear;
     });
     for overlap in [0.7, 0.9] {

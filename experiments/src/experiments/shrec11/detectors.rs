@@ -1,6 +1,7 @@
 //! The detectors and descriptors that are compared.
 
 use mser3d::comptree::StabilityRule;
+use mser3d::descriptors::TimeScale;
 use mser3d::{Domain, Parameters, Weight};
 
 /// A detector, and the descriptors that its regions are matched by.
@@ -96,8 +97,19 @@ fn all() -> Vec<Detector> {
         detector("volume-heat-uncut", UncutVolume, |_| {}),
         detector("volume-commute", Volume, |p| p.weight = Weight::Commute),
         detector("volume-edge", Volume, |p| p.weight = Weight::Edge),
+        detector("volume-diffusion", Volume, |p| p.weight = Weight::Diffusion),
+        detector("volume-curvature", Volume, |p| curvature(p, 0.002)),
         detector("surface-edge", Surface, |p| p.weight = Weight::Edge),
+        detector("surface-diffusion", Surface, |p| p.weight = Weight::Diffusion),
+        detector("surface-curvature", Surface, |p| curvature(p, 0.0003)),
     ]
+}
+
+/// Mean curvature, smoothed for a relative time: on noisy shapes it is noise.
+fn curvature(parameters: &mut Parameters, time: f64) {
+    parameters.weight = Weight::Curvature;
+    parameters.stability.altitude = parameters.weight.altitude();
+    parameters.smooth_weight = Some(TimeScale::Relative(time));
 }
 
 #[cfg(test)]
