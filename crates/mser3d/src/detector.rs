@@ -5,7 +5,9 @@ use crate::features::{Found, FoundOnBody};
 use crate::input::Prepared;
 use crate::progress::{NO_PROGRESS, Progress, ProgressFn, Stage, report};
 use crate::run_report::Clock;
-use crate::{Body, DiscreteShape, Error, Features, Input, Parameters, RegionSet, Warning, find_regions};
+use crate::{
+    Body, DiscreteShape, Error, Features, Input, Parameters, RegionSet, Warning, find_regions, partition,
+};
 
 /// Where the eigenpairs of a shape come from: [`DiscreteShape::spectrum`], or a cache before it.
 pub type SpectrumSource<'a> =
@@ -69,6 +71,10 @@ impl<'a> Detector<'a> {
         if let Input::Volume(_) = input {
             report(*progress, Stage::Voxelize, 0, 1)?;
         }
+        let mesh = match input {
+            Input::Volume(mesh) => Some(mesh),
+            _ => None,
+        };
         let Prepared { shape, bodies, voxelization, mut warnings } = input.prepare(parameters, *progress)?;
         if let Some(voxelization) = &voxelization {
             report(*progress, Stage::Voxelize, 1, 1)?;
@@ -119,7 +125,7 @@ impl<'a> Detector<'a> {
         let Found { regions, descriptors, trees, duplicates } = Found::on_all(&shape, &bodies, found)?;
         let seconds = clock.lap(Stage::Descriptors);
         tracing::info!(regions = regions.len(), seconds, "described regions");
-        Ok(Features {
+        let mut features = Features {
             parameters: Parameters { polarity: Some(parameters.polarity()), ..parameters.clone() },
             shape,
             voxelization,
@@ -128,9 +134,20 @@ impl<'a> Detector<'a> {
             descriptors,
             trees,
             duplicates,
+            partition: None,
             warnings,
-            run: clock.stop(),
-        })
+            run: clock.report(),
+        };
+        if let Some(wanted) = &parameters.parts {
+            report(*progress, Stage::Parts, 0, 1)?;
+            let partition = partition(&features, mesh, wanted)?;
+            report(*progress, Stage::Parts, 1, 1)?;
+            let seconds = clock.lap(Stage::Parts);
+            tracing::info!(parts = partition.parts.len(), seconds, "divided into parts");
+            features.partition = Some(partition);
+            features.run = clock.report();
+        }
+        Ok(features)
     }
 
     /// Adds what the spectra tell of the shape.

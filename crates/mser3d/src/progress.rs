@@ -14,6 +14,8 @@ mser3d_shape::choice! {
         Regions = "regions",
         /// The regions' descriptors
         Descriptors = "descriptors",
+        /// The bodies' parts, if they are asked for
+        Parts = "parts",
     }
 }
 

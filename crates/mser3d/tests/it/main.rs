@@ -4,6 +4,7 @@
 mod example;
 
 mod bodies;
+mod parts;
 
 use std::ops::ControlFlow;
 use std::sync::Mutex;
