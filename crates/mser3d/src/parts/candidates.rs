@@ -1,10 +1,12 @@
 //! What may become a part: the regions of a body's trees, each with its narrowest border.
 
+use std::f64::consts::PI;
+
 use mser3d_comptree::{
-    AltitudeScale, ComponentTree, StabilityParameters, StabilityRule, StableRegion, stable_regions,
+    AltitudeScale, ComponentTree, Merge, StabilityParameters, StabilityRule, StableRegion, stable_regions,
 };
-use mser3d_descriptors::{HksParameters, TimeScale, hks, region_descriptors};
-use mser3d_shape::IndexSet;
+use mser3d_descriptors::{HksParameters, TimeScale, hks};
+use mser3d_shape::{Domain, IndexSet};
 
 use super::PartParameters;
 use super::borders::{Bordered, Links, down, narrowest};
@@ -19,6 +21,9 @@ const TWO: f64 = 2.5;
 
 /// The share of a lifetime after which a merge is still under way.
 const SOON: f64 = 0.05;
+
+/// Lifetimes of limbs that are not ends of rods, whatever the altitude scale: more than ln 2.
+const LASTS: f64 = 1.0;
 
 /// The share of a body from which a component is all of it.
 const ALL: f64 = 0.95;
@@ -50,7 +55,7 @@ pub(super) struct Candidate {
 pub(super) struct Score {
     /// How long it lasts before a real merge ends it; 0 where none does.
     pub lifetime: f64,
-    /// The area of a piece of its volume over that of its border: the larger, the narrower is what it hangs by.
+    /// The length of a round limb of its volume and border, over its radius: the larger, the narrower is what it hangs by.
     pub narrowness: f64,
 }
 
@@ -59,16 +64,19 @@ fn lifetime(region: &StableRegion) -> f64 {
 }
 
 /// How surely a region is a part of its own.
-fn score(region: &StableRegion, place: &Bordered, is_end: bool, dimension: u32) -> Score {
+fn score(region: &StableRegion, place: &Bordered, is_end: bool, domain: Domain) -> Score {
     let Bordered { volume, border, .. } = *place;
-    let face = volume.powf(f64::from(dimension - 1) / f64::from(dimension));
+    let radius = match domain {
+        Domain::Volume => (border / PI).sqrt(),
+        Domain::Surface => border / (2.0 * PI),
+    };
     let lifetime = match () {
         // What heat does not flow out of lasts for ever.
         () if border == 0.0 => f64::INFINITY,
         () if is_end => 0.0,
         () => lifetime(region),
     };
-    Score { lifetime, narrowness: face / border }
+    Score { lifetime, narrowness: volume / border / radius }
 }
 
 /// Whether a region is the end of a rod and not a limb: it merges with one like it, then there is nothing left that they could
@@ -81,7 +89,8 @@ fn is_end_of_rod(
     scale: AltitudeScale,
     measure: f64,
 ) -> bool {
-    let Some(merge) = region.merge.filter(|merge| merge.growth < TWO) else { return false };
+    let meets_its_like = |merge: &Merge| merge.growth < TWO && merge.lifetime < LASTS;
+    let Some(merge) = region.merge.filter(meets_its_like) else { return false };
     let level = |node: u32| match scale {
         AltitudeScale::Log => tree.altitude(node).max(f64::MIN_POSITIVE).ln(),
         AltitudeScale::Linear => tree.altitude(node),
@@ -141,14 +150,13 @@ impl Candidates {
             for &member in group {
                 let Narrowed { tree, place, .. } = &mut found[member];
                 let tree = &features.trees[*tree].tree;
-                let chain = down(tree, place.node, 0.9 * smallest);
-                let fits = |node: &&u32| tree.volume(**node) <= 1.02 * smallest;
-                if let Some(&node) = chain.iter().find(fits) {
+                let node = cut_off(tree, place.node, smallest);
+                if node != place.node {
                     *place = narrow(tree, node, 1.0);
                 }
             }
         }
-        let dimension = searched.basis.domain().dimension();
+        let domain = searched.basis.domain();
         let candidate = |Narrowed { tree, top, place }: Narrowed| {
             let own = &features.trees[tree].tree;
             let number = |&v: &u32| searched.elements[v as usize];
@@ -161,7 +169,7 @@ impl Candidates {
                 set: IndexSet::from_members(features.shape.len(), elements.iter().copied())?,
                 elements,
                 volume: place.volume,
-                score: score(&top, &place, is_end, dimension),
+                score: score(&top, &place, is_end, domain),
             })
         };
         Ok(Self { all: found.into_iter().map(candidate).collect::<Result<_, Error>>()?, groups })
@@ -182,23 +190,41 @@ fn stability(own: &StabilityParameters, parameters: &PartParameters) -> Stabilit
     }
 }
 
-/// Groups of twins among regions.
+/// Groups of twins among regions: those of one tree that end alike. They are described by the logarithm of their mean heat
+/// kernel at some times, both cut off where they have the same volume.
 fn groups(features: &Features, body: usize, found: &[Narrowed]) -> Result<Vec<Vec<usize>>, Error> {
     let basis = &features.bodies[body].basis;
-    let members: Vec<&[u32]> =
-        found.iter().map(|c| features.trees[c.tree].tree.vertices(c.place.node)).collect();
-    let times = HksParameters { times: TWIN_TIMES.map(TimeScale::Relative).to_vec() };
-    let rows = region_descriptors(&members, basis.mass(), |elements| hks(basis, &times, Some(elements)))?;
-    let rows: Vec<Vec<f64>> = rows.rows().map(|row| row.iter().map(|h| h.ln()).collect()).collect();
-    let volumes: Vec<f64> = found.iter().map(|c| c.place.volume).collect();
-    let may = |a: usize, b: usize| {
+    let signatures =
+        hks(basis, &HksParameters { times: TWIN_TIMES.map(TimeScale::Relative).to_vec() }, None)?;
+    let describe = |tree: &ComponentTree, node: u32| {
+        let mut sums = [0.0; TWIN_TIMES.len()];
+        for &v in tree.vertices(node) {
+            let mass = basis.mass()[v as usize];
+            sums.iter_mut().zip(signatures.row(v as usize)).for_each(|(sum, h)| *sum += mass * h);
+        }
+        sums.map(|sum| (sum / tree.volume(node)).ln())
+    };
+    let distance = |a: usize, b: usize| {
         let (a, b) = (&found[a], &found[b]);
         let tree = &features.trees[a.tree].tree;
         let nested = |x: &Narrowed, y: &Narrowed| tree.contains(x.place.node, y.place.node);
         let ends = |x: &Narrowed| x.top.merge.is_some();
-        a.tree == b.tree && ends(a) == ends(b) && !nested(a, b) && !nested(b, a)
+        if a.tree != b.tree || ends(a) != ends(b) || nested(a, b) || nested(b, a) {
+            return None;
+        }
+        let volume = a.place.volume.min(b.place.volume);
+        let [a, b] = [a, b].map(|x| describe(tree, cut_off(tree, x.place.node, volume)));
+        let squares: f64 = a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum();
+        Some((squares / TWIN_TIMES.len() as f64).sqrt())
     };
-    Ok(twin_groups(&rows, &volumes, may))
+    let volumes: Vec<f64> = found.iter().map(|c| c.place.volume).collect();
+    Ok(twin_groups(&volumes, distance))
+}
+
+/// The node down the branch that has about this volume, or the node itself where there is none.
+fn cut_off(tree: &ComponentTree, node: u32, volume: f64) -> u32 {
+    let chain = down(tree, node, 0.9 * volume);
+    chain.into_iter().find(|&below| tree.volume(below) <= 1.02 * volume).unwrap_or(node)
 }
 
 /// The pooled region that a region of a tree is, or that was kept in its place: the one that overlaps it most, at least by

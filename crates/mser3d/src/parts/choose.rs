@@ -14,8 +14,8 @@ const FRINGE: f64 = 0.05;
 /// The share of its volume that a part keeps at least when others are cut out of it. The trunk may lose more to limbs.
 const KEPT: f64 = 1.0 / 3.0;
 
-/// The least narrowness of a part that is no limb: its border is not larger than a face of a cube of its volume.
-const NARROW: f64 = 1.0;
+/// The least narrowness of a part that is no limb: it is nearly as long as its border is across.
+const NARROW: f64 = 1.75;
 
 /// The parts of a body.
 pub(super) struct Chosen {
@@ -43,22 +43,17 @@ impl Candidates {
     ) -> Chosen {
         let smallest = parameters.min_volume_fraction * measure;
         let mut kept = Layout { candidates: &self.all, places: Vec::new(), volumes: vec![measure] };
-        for (group, limb) in self.ranked(parameters) {
-            if group.iter().any(|&new| kept.places.iter().any(|&old| !self.fit(old, new, mass, limb))) {
-                continue;
-            }
-            let (next, labels) = kept.with(group, body);
-            let enough = |(part, &volume): (usize, &f64)| match part.checked_sub(1) {
-                Some(place) => volume >= smallest.max(KEPT * self.all[next.places[place]].volume),
-                None => limb || volume >= smallest.max(KEPT * kept.volumes[0]),
-            };
-            let not_too_many = match parameters.count {
-                PartCount::Auto => true,
-                PartCount::Count(count) => Pieces::new(&labels, body).count(smallest) <= count,
-            };
-            if not_too_many && next.volumes.iter().enumerate().all(enough) {
-                kept = next;
-            }
+        let (limbs, others) = self.ranked(parameters);
+        for group in limbs {
+            kept = self.take(kept, group, true, body, mass, parameters);
+        }
+        // Parts of limbs before parts of the trunk: a hand before the chest.
+        let limbs = kept.places.clone();
+        let in_limb = |&c: &usize| limbs.iter().any(|&limb| self.inside(c, limb, mass));
+        let (of_limbs, of_trunk): (Vec<&[usize]>, Vec<&[usize]>) =
+            others.into_iter().partition(|group| group.iter().all(in_limb));
+        for group in of_limbs.into_iter().chain(of_trunk) {
+            kept = self.take(kept, group, false, body, mass, parameters);
         }
         let mut labels = kept.labels(body.elements);
         // Limbs that leave next to nothing share it.
@@ -79,39 +74,70 @@ impl Candidates {
         Chosen { parts: parts.collect(), labels }
     }
 
-    /// The groups in the order in which they are taken, and whether each is one of limbs: limbs by lifetime, and if they are
-    /// asked for by number, all others that hang by something narrow, the narrowest first.
-    fn ranked(&self, parameters: &PartParameters) -> Vec<(&[usize], bool)> {
+    /// The layout with a group more, if it fits, all parts keep enough, and there are not too many.
+    fn take<'c>(
+        &self,
+        kept: Layout<'c>,
+        group: &[usize],
+        limbs: bool,
+        body: &BodyLinks,
+        mass: &[f64],
+        parameters: &PartParameters,
+    ) -> Layout<'c> {
+        if group.iter().any(|&new| kept.places.iter().any(|&old| !self.fit(old, new, mass, limbs))) {
+            return kept;
+        }
+        let smallest = parameters.min_volume_fraction * kept.volumes.iter().sum::<f64>();
+        let (next, labels) = kept.with(group, body);
+        let enough = |(part, &volume): (usize, &f64)| match part.checked_sub(1) {
+            Some(place) => volume >= smallest.max(KEPT * self.all[next.places[place]].volume),
+            None => limbs || volume >= smallest.max(KEPT * kept.volumes[0]),
+        };
+        let too_many = match parameters.count {
+            PartCount::Auto => false,
+            PartCount::Count(count) => Pieces::new(&labels, body).count(smallest) > count,
+        };
+        if !too_many && next.volumes.iter().enumerate().all(enough) { next } else { kept }
+    }
+
+    /// The groups of limbs by lifetime, the longest first; and if parts are asked for by number, all other groups that hang by
+    /// something narrow, the narrowest first.
+    fn ranked(&self, parameters: &PartParameters) -> (Vec<&[usize]>, Vec<&[usize]>) {
         let of_group = |group: &[usize], score: fn(&Candidate) -> f64| {
             group.iter().map(|&c| score(&self.all[c])).fold(f64::INFINITY, f64::min)
         };
         let lifetime = |group: &[usize]| of_group(group, |c| c.score.lifetime);
         let narrowness = |group: &[usize]| of_group(group, |c| c.score.narrowness);
-        let mut ranked: Vec<(&[usize], bool)> = self
-            .groups
-            .iter()
-            .map(|group| (&group[..], lifetime(group) >= parameters.min_lifetime))
-            .collect();
-        let others = parameters.count != PartCount::Auto;
-        ranked.retain(|&(group, limb)| limb || others && narrowness(group) >= NARROW);
-        ranked.sort_by(|&(a, limb), &(b, other)| {
-            let by = |score: &dyn Fn(&[usize]) -> f64| score(b).total_cmp(&score(a));
-            let by_lifetime = if limb && other { by(&lifetime) } else { Ordering::Equal };
-            other.cmp(&limb).then(by_lifetime).then(by(&narrowness))
-        });
-        ranked
+        let all = self.groups.iter().map(|group| &group[..]);
+        let (mut limbs, mut others): (Vec<&[usize]>, Vec<&[usize]>) =
+            all.partition(|group| lifetime(group) >= parameters.min_lifetime);
+        let by_narrowness = |a: &[usize], b: &[usize]| narrowness(b).total_cmp(&narrowness(a));
+        limbs.sort_by(|a, b| lifetime(b).total_cmp(&lifetime(a)).then(by_narrowness(a, b)));
+        others.retain(|group| parameters.count != PartCount::Auto && narrowness(group) >= NARROW);
+        others.sort_by(|a, b| by_narrowness(a, b));
+        (limbs, others)
+    }
+
+    /// Whether a candidate lies in another, but for a fringe.
+    fn inside(&self, a: usize, b: usize, mass: &[f64]) -> bool {
+        self.all[a].volume < self.all[b].volume && self.shared(a, b, mass) >= 1.0 - FRINGE
     }
 
     /// Whether two candidates are nested or disjoint, but for a fringe. Nested limbs of two trees are one limb, seen at two
     /// times.
     fn fit(&self, a: usize, b: usize, mass: &[f64], limbs: bool) -> bool {
+        let share = self.shared(a, b, mass);
+        share <= FRINGE || share >= 1.0 - FRINGE && !(limbs && self.all[a].tree != self.all[b].tree)
+    }
+
+    /// The share of the smaller of two candidates that lies in the larger.
+    fn shared(&self, a: usize, b: usize, mass: &[f64]) -> f64 {
         let (small, large) = match self.all[a].volume.total_cmp(&self.all[b].volume) {
             Ordering::Greater => (&self.all[b], &self.all[a]),
             _ => (&self.all[a], &self.all[b]),
         };
         let inside = small.elements.iter().filter(|&&e| large.set.contains(e as usize));
-        let share = inside.map(|&e| mass[e as usize]).sum::<f64>() / small.volume;
-        share <= FRINGE || share >= 1.0 - FRINGE && !(limbs && small.tree != large.tree)
+        inside.map(|&e| mass[e as usize]).sum::<f64>() / small.volume
     }
 }
 

@@ -1,9 +1,11 @@
 //! Regions that are each other's mirror image, or equal in number, such as both arms, or the arms of a star.
 
+use std::collections::BTreeSet;
+
 /// The smallest ratio of the volumes of twins.
 const LIKE_VOLUME: f64 = 2.0 / 3.0;
 
-/// The largest distance of twins: the root mean square of the difference of log heat kernels.
+/// The largest distance of twins: the root mean square of the difference of the logarithms of what describes them.
 const LIKE_DISTANCE: f64 = 0.1;
 
 /// The distance up to which regions are equal but for their voxels.
@@ -11,43 +13,39 @@ const SAME_DISTANCE: f64 = 0.02;
 
 /// Puts regions that are alike into groups, each region into exactly one; most are alone. Groups and their members ascend.
 ///
-/// `rows` describe the regions: the logarithms of their mean heat kernels at some times. `may` says of two regions whether
-/// they can be twins at all, such as disjoint ones.
+/// `distance` says how differently two regions are described; none of two that cannot be twins, such as nested ones. It is
+/// asked only of regions of like volume.
 ///
 /// Two regions are twins if they are of like volume and description, and each other's nearest among such regions. So are more
 /// than two that differ no more than voxels make equal ones differ.
 pub(super) fn twin_groups(
-    rows: &[Vec<f64>],
     volumes: &[f64],
-    may: impl Fn(usize, usize) -> bool,
+    distance: impl Fn(usize, usize) -> Option<f64>,
 ) -> Vec<Vec<usize>> {
-    let count = rows.len();
-    let distance = |a: usize, b: usize| {
-        let squares = rows[a].iter().zip(&rows[b]).map(|(x, y)| (x - y).powi(2)).sum::<f64>();
-        (squares / rows[a].len() as f64).sqrt()
-    };
-    let like = |a: usize, b: usize| {
-        let (small, large) = (volumes[a].min(volumes[b]), volumes[a].max(volumes[b]));
-        a != b && small >= LIKE_VOLUME * large && may(a, b) && distance(a, b) <= LIKE_DISTANCE
-    };
-    let mut nearest = vec![f64::INFINITY; count];
-    let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
+    let count = volumes.len();
+    let like_volume =
+        |a: usize, b: usize| volumes[a].min(volumes[b]) >= LIKE_VOLUME * volumes[a].max(volumes[b]);
+    let mut pairs: Vec<(f64, [usize; 2])> = Vec::new();
     for a in 0..count {
-        for b in (a + 1..count).filter(|&b| like(a, b)) {
-            let d = distance(a, b);
-            nearest[a] = nearest[a].min(d);
-            nearest[b] = nearest[b].min(d);
-            pairs.push((d, a, b));
-        }
+        let others = (a + 1..count).filter(|&b| like_volume(a, b));
+        let found = others.filter_map(|b| Some((distance(a, b)?, [a, b])));
+        pairs.extend(found.filter(|(apart, _)| *apart <= LIKE_DISTANCE));
     }
-    pairs.retain(|&(d, a, b)| d <= SAME_DISTANCE || d == nearest[a] && d == nearest[b]);
-    pairs.sort_by(|x, y| x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2))));
+    let alike: BTreeSet<[usize; 2]> = pairs.iter().map(|(_, pair)| *pair).collect();
+    let mut nearest = vec![f64::INFINITY; count];
+    for (apart, pair) in &pairs {
+        pair.iter().for_each(|&member| nearest[member] = apart.min(nearest[member]));
+    }
+    pairs.retain(|(apart, [a, b])| *apart <= SAME_DISTANCE || *apart == nearest[*a] && *apart == nearest[*b]);
+    pairs.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
     // Each group grows by the nearest pair between it and another, if all of both are alike.
     let mut group: Vec<usize> = (0..count).collect();
     let members = |group: &[usize], g: usize| (0..count).filter(|&m| group[m] == g).collect::<Vec<_>>();
-    for (_, a, b) in pairs {
+    for (_, [a, b]) in pairs {
         let (first, second) = (members(&group, group[a]), members(&group, group[b]));
-        if group[a] != group[b] && first.iter().all(|&x| second.iter().all(|&y| like(x, y))) {
+        let all_alike =
+            || first.iter().all(|&x| second.iter().all(|&y| alike.contains(&[x.min(y), x.max(y)])));
+        if group[a] != group[b] && all_alike() {
             let (to, from) = (group[a].min(group[b]), group[a].max(group[b]));
             group.iter_mut().filter(|g| **g == from).for_each(|g| *g = to);
         }
@@ -61,8 +59,7 @@ mod tests {
 
     /// Groups of regions that are described by one number each.
     fn groups(rows: &[f64], volumes: &[f64]) -> Vec<Vec<usize>> {
-        let rows: Vec<Vec<f64>> = rows.iter().map(|&x| vec![x]).collect();
-        twin_groups(&rows, volumes, |_, _| true)
+        twin_groups(volumes, |a, b| Some((rows[a] - rows[b]).abs()))
     }
 
     #[test]
@@ -80,9 +77,8 @@ mod tests {
 
     #[test]
     fn what_cannot_be_twins_is_in_no_group_together() {
-        let rows = vec![vec![0.0]; 3];
         // The first contains the second.
-        let may = |a: usize, b: usize| a.min(b) != 0 || a.max(b) != 1;
-        assert_eq!(twin_groups(&rows, &[1.0; 3], may), [vec![0, 2], vec![1]]);
+        let distance = |a: usize, b: usize| (a != 0 || b != 1).then_some(0.0);
+        assert_eq!(twin_groups(&[1.0; 3], distance), [vec![0, 2], vec![1]]);
     }
 }
