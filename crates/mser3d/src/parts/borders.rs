@@ -104,8 +104,6 @@ pub(super) struct Bordered {
     pub border: f64,
     /// The largest border of a node down the branch, over its own: more than 1 if it is narrower than what it closes off.
     pub bulge: f64,
-    /// The border of the node at the end of the branch, over its own: more than 1 if the branch opens into something wider.
-    pub opening: f64,
 }
 
 /// How far down a branch bulges are looked for, as a share of the volume.
@@ -165,8 +163,7 @@ pub(super) fn narrowest(
         }
     }
     let bulge = borders[best..].iter().copied().fold(0.0, f64::max) / borders[best];
-    let opening = borders[0] / borders[best];
-    Bordered { node: chain[best], volume: tree.volume(chain[best]), border: borders[best], bulge, opening }
+    Bordered { node: chain[best], volume: tree.volume(chain[best]), border: borders[best], bulge }
 }
 
 /// A node and those below it along the largest children, down to a volume.

@@ -28,7 +28,7 @@ const LASTS: f64 = 1.0;
 /// The share of a body from which a component is all of it.
 const ALL: f64 = 0.95;
 
-/// From how many times another cross-section on a cross-section is wider.
+/// From how many times a border on a cross-section is much wider.
 const WIDER: f64 = 1.5;
 
 /// The times at which candidates are compared.
@@ -80,8 +80,8 @@ fn score(region: &StableRegion, place: &Bordered, is_end: bool, domain: Domain) 
 }
 
 /// Whether a region is the end of a rod and not a limb: it merges with one like it, then there is nothing left that they could
-/// be limbs of, and the border is as wide as what is on either side of it. At an end that is cut off straight, the heat kernel
-/// is twice that in the middle, so that it lasts ln 2.
+/// be limbs of, and nowhere is it much wider than its border. At an end that is cut off straight, the heat kernel is twice that
+/// in the middle, so that it lasts ln 2.
 fn is_end_of_rod(
     tree: &ComponentTree,
     region: &StableRegion,
@@ -99,7 +99,7 @@ fn is_end_of_rod(
     let soon = |&node: &u32| (level(node) - level(merged)).abs() <= SOON * merge.lifetime;
     let last = std::iter::successors(Some(merged), |&node| tree.parent(node)).take_while(soon).last();
     let is_all = last.is_some_and(|node| tree.volume(node) >= ALL * measure);
-    is_all && place.bulge < WIDER && place.opening < WIDER
+    is_all && place.bulge < WIDER
 }
 
 /// The candidates of a body, in groups that come and go together.
