@@ -274,7 +274,7 @@ fn parts_are_written_shown_and_exported() {
     assert_eq!(read_mesh(&ply, &ReadOptions::default()).unwrap().mesh.vertices().len(), 3756);
 
     // Without parts there are none to show, and those of before are gone.
-    regions(&input, &out, &format!("{COARSE} --quiet"));
+    regions(&input, &out, COARSE);
     assert!(!out.join("parts.html").exists() && json(&out.join("regions.json"))["parts"].is_null());
     for command in ["render", "view"] {
         let output = mser3d([command, out.to_str().unwrap(), "--parts"]);
