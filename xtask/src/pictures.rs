@@ -26,6 +26,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
         mser3d(&["detect", &format!("fixtures/human_{pose}.off"), "-o", &at(pose), "--quiet"])?;
     }
     mser3d(&["render", &at("rest"), "-o", &picture("human_rest.png"), "--height", "600"])?;
+    mser3d(&["detect", "fixtures/human_rest.off", "-o", &at("parted"), "--parts", "auto", "--quiet"])?;
+    mser3d(&["render", &at("parted"), "--parts", "-o", &picture("human_parts.png"), "--height", "600"])?;
     let views = ["--views", "inside,voxels", "--cut-at", "0.26", "--height", "600"];
     mser3d(&[&["render", &at("kick"), "-o", &picture("human_cut.png")][..], &views].concat())?;
     mser3d(&["match", &at("rest"), &at("kick"), "-o", &at("match")])?;

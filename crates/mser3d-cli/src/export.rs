@@ -15,10 +15,15 @@ pub struct ExportArgs {
     /// (landmarks for 3D Slicer)
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
+    /// Write the parts in place of the regions
+    #[arg(long)]
+    pub parts: bool,
 }
 
 pub fn run(args: &ExportArgs) -> Result<(), CliError> {
-    for note in Results::load(&args.folder)?.export(&args.output)? {
+    let results = Results::load(&args.folder)?;
+    let results = if args.parts { results.with_parts_as_regions()? } else { results };
+    for note in results.export(&args.output)? {
         eprintln!("mser3d: note: {}: {note}", args.output.display());
     }
     Ok(())

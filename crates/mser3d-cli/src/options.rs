@@ -7,7 +7,9 @@ use mser3d::comptree::{AltitudeScale, Polarity, PoolParameters, StabilityParamet
 use mser3d::descriptors::TimeScale;
 use mser3d::shape::Domain;
 use mser3d::spectral::{EigenpairRange, Eigensolver, SpectrumParameters};
-use mser3d::{Bodies, DescriptorKind, Parameters, ReliabilityParameters, available_memory};
+use mser3d::{
+    Bodies, DescriptorKind, Parameters, PartCount, PartParameters, ReliabilityParameters, available_memory,
+};
 use mser3d_collection::SpectrumCache;
 use mser3d_meshio::ReadOptions;
 use mser3d_results::{FieldFile, ShapeFile, ShapeOptions};
@@ -129,6 +131,9 @@ pub struct RegionOptions {
     #[arg(long, value_parser = choice::<DescriptorKind>(), default_value_t = DescriptorKind::default(),
           help_heading = "Regions")]
     pub descriptor: DescriptorKind,
+    /// Divide each body into parts too, every voxel and vertex in exactly one: limbs and trunk (auto), or this many
+    #[arg(long, value_name = "auto|N", help_heading = "Regions")]
+    pub parts: Option<PartCount>,
 }
 
 impl RegionOptions {
@@ -181,6 +186,11 @@ impl RegionOptions {
                 ..ReliabilityParameters::default()
             },
             descriptor: self.descriptor.into(),
+            parts: self.parts.map(|count| PartParameters {
+                count,
+                min_volume_fraction: self.min_volume,
+                ..PartParameters::default()
+            }),
         };
         parameters.validate().map_err(|e| CliError::Usage(format!("wrong parameter: {e}")))?;
         Ok(parameters)

@@ -17,9 +17,12 @@ use crate::error::CliError;
 pub struct RenderArgs {
     /// Folder that `mser3d detect` or `mser3d msv` wrote
     pub folder: PathBuf,
-    /// Picture to write, .png [default: regions.png in the folder]
+    /// Picture to write, .png [default: regions.png in the folder, with --parts parts.png]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
+    /// Draw the parts in place of the regions
+    #[arg(long)]
+    pub parts: bool,
     /// What to draw, from left to right [default: all but voxels and top, inside for volumes]
     #[arg(long, value_parser = shots(), value_delimiter = ',', value_name = "VIEW,...")]
     pub views: Vec<Shot>,
@@ -88,14 +91,17 @@ impl Shot {
 }
 
 pub fn run(args: &RenderArgs) -> Result<(), CliError> {
-    let output = args.output.clone().unwrap_or_else(|| args.folder.join("regions.png"));
+    let output = args
+        .output
+        .clone()
+        .unwrap_or_else(|| args.folder.join(if args.parts { "parts.png" } else { "regions.png" }));
     if !output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
         let name = output.display();
         return Err(CliError::Usage(format!("{name}: pictures are written as PNG; end the name in .png")));
     }
     let options =
         RenderOptions { height: args.height, columns: args.columns, up: args.up, ..RenderOptions::default() };
-    let picture = if MsvResults::is_in(&args.folder) {
+    let picture = if MsvResults::is_in(&args.folder) && !args.parts {
         if !args.views.is_empty() || args.cut_axis.is_some() {
             let why = "--views and --cut-axis need a result of `mser3d detect`; one of `mser3d msv` has one picture";
             return Err(CliError::Usage(why.into()));
@@ -111,6 +117,7 @@ pub fn run(args: &RenderArgs) -> Result<(), CliError> {
 
 fn draw(args: &RenderArgs, options: &RenderOptions) -> Result<Image, CliError> {
     let results = Results::load(&args.folder)?;
+    let results = if args.parts { results.with_parts_as_regions()? } else { results };
     let solid = results.grid.is_some();
     let shots = match &args.views[..] {
         [] => {

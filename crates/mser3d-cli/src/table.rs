@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mser3d::{Domain, Features};
+use mser3d::{Domain, Features, PartCount};
 
 pub fn regions(features: &Features, folder: &Path) -> String {
     let elements = match features.shape.domain() {
@@ -33,4 +33,43 @@ pub fn regions(features: &Features, folder: &Path) -> String {
     }
     let (count, size) = (features.regions.len(), features.shape.len());
     text + &format!("{count} regions in {size} {elements}; written to {}\n", folder.display())
+}
+
+/// The parts as a short table; nothing where none were asked for.
+pub fn parts(features: &Features) -> String {
+    let (Some(found), Some(wanted)) = (&features.partition, &features.parameters.parts) else {
+        return String::new();
+    };
+    let elements = match features.shape.domain() {
+        Domain::Volume => "voxels",
+        Domain::Surface => "vertices",
+    };
+    let mut text = format!("\npart  region  measure %  {elements:>8}  twins  centroid\n");
+    for (id, part) in found.parts.iter().enumerate() {
+        let region = match (part.trunk, part.region) {
+            (true, _) => "trunk".to_owned(),
+            (false, Some(region)) => region.to_string(),
+            (false, None) => "-".to_owned(),
+        };
+        let twins: Vec<String> = part.twins.iter().map(ToString::to_string).collect();
+        let twins = if twins.is_empty() { "-".to_owned() } else { twins.join(",") };
+        let [x, y, z] = part.centroid;
+        text += &format!(
+            "{id:>4}  {region:>6}  {:>9.2}  {:>8}  {twins:>5}  ({x:.4}, {y:.4}, {z:.4})\n",
+            100.0 * part.volume_fraction,
+            part.elements.len(),
+        );
+    }
+    for body in 0..features.bodies.len() {
+        let count = found.parts.iter().filter(|part| part.body == body).count();
+        let of_body = if features.bodies.len() > 1 { format!("body {body}: ") } else { String::new() };
+        text += &match wanted.count {
+            PartCount::Count(wanted) if count < wanted => format!(
+                "{of_body}{count} of {wanted} parts: mirror images come together, and nothing else hangs by a narrow place\n"
+            ),
+            _ if count == 1 => format!("{of_body}1 part: no limbs\n"),
+            _ => format!("{of_body}{count} parts\n"),
+        };
+    }
+    text
 }

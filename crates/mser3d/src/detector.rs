@@ -7,7 +7,9 @@ use crate::progress::{NO_PROGRESS, Progress, ProgressFn, Stage, report};
 use crate::regions::find_regions_with;
 use crate::reliability;
 use crate::run_report::Clock;
-use crate::{Body, DiscreteShape, Error, Features, Field, Input, Parameters, RegionSet, Warning, Weight};
+use crate::{
+    Body, DiscreteShape, Error, Features, Field, Input, Parameters, RegionSet, Warning, Weight, partition,
+};
 
 /// Where the eigenpairs of a shape come from: [`DiscreteShape::spectrum`], or a cache before it.
 pub type SpectrumSource<'a> =
@@ -100,6 +102,10 @@ impl<'a> Detector<'a> {
         if let Input::Volume(_) = input {
             report(*progress, Stage::Voxelize, 0, 1)?;
         }
+        let mesh = match input {
+            Input::Volume(mesh) => Some(mesh),
+            _ => None,
+        };
         let Prepared { shape, bodies, voxelization, mut warnings } =
             input.clone().prepare(parameters, *progress)?;
         if parameters.weight == Weight::Curvature && shape.mesh().is_none() {
@@ -170,7 +176,7 @@ impl<'a> Detector<'a> {
         let Found { regions, descriptors, trees, duplicates } = Found::on_all(&shape, &bodies, found)?;
         let seconds = clock.lap(Stage::Descriptors);
         tracing::info!(regions = regions.len(), seconds, "described regions");
-        Ok(Features {
+        let mut features = Features {
             parameters: Parameters {
                 polarity: Some(parameters.polarity_with(field.as_ref())),
                 ..parameters.clone()
@@ -182,9 +188,20 @@ impl<'a> Detector<'a> {
             descriptors,
             trees,
             duplicates,
+            partition: None,
             warnings,
-            run: clock.stop(),
-        })
+            run: clock.report(),
+        };
+        if let Some(wanted) = &parameters.parts {
+            report(*progress, Stage::Parts, 0, 1)?;
+            let partition = partition(&features, mesh, wanted)?;
+            report(*progress, Stage::Parts, 1, 1)?;
+            let seconds = clock.lap(Stage::Parts);
+            tracing::info!(parts = partition.parts.len(), seconds, "divided into parts");
+            features.partition = Some(partition);
+            features.run = clock.report();
+        }
+        Ok(features)
     }
 
     /// Adds what the spectra tell of the shape.

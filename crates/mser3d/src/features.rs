@@ -4,7 +4,7 @@ use mser3d_spectral::SpectrumReport;
 use mser3d_voxelize::Voxelization;
 
 use crate::regions::vertices_in;
-use crate::{DiscreteShape, Error, Parameters, Region, RegionSet, RunReport, Tree, Warning};
+use crate::{DiscreteShape, Error, Parameters, Partition, Region, RegionSet, RunReport, Tree, Warning};
 
 /// The stable regions of a shape, their descriptors, and how they were found.
 #[derive(Clone, Debug)]
@@ -26,6 +26,8 @@ pub struct Features {
     pub trees: Vec<Tree>,
     /// Regions dropped because another time scale had them too.
     pub duplicates: usize,
+    /// The parts of all bodies, if [`Parameters::parts`] asks for them.
+    pub partition: Option<Partition>,
     /// What the user should know.
     pub warnings: Vec<Warning>,
     /// What the run took.

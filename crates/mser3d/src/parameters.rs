@@ -4,7 +4,7 @@ use mser3d_shape::InvalidParameter;
 use mser3d_spectral::SpectrumParameters;
 use mser3d_voxelize::VoxelizeParameters;
 
-use crate::{Bodies, Error, Field, ReliabilityParameters, Weight};
+use crate::{Bodies, Error, Field, PartParameters, ReliabilityParameters, Weight};
 
 mser3d_shape::choice! {
     /// The kinds of [`Descriptor`].
@@ -101,6 +101,8 @@ pub struct Parameters {
     pub reliability: ReliabilityParameters,
     /// What describes a region. Default: SI-vHKS and the region's size.
     pub descriptor: Descriptor,
+    /// How bodies are divided into parts ([`partition`](crate::partition())). Default: none, they are not.
+    pub parts: Option<PartParameters>,
 }
 
 impl Default for Parameters {
@@ -118,6 +120,7 @@ impl Default for Parameters {
             pool: PoolParameters::default(),
             reliability: ReliabilityParameters::default(),
             descriptor: Descriptor::default(),
+            parts: None,
         }
     }
 }
@@ -149,6 +152,9 @@ impl Parameters {
         match &self.descriptor {
             Descriptor::SizedSiHks(parameters) | Descriptor::SiHks(parameters) => parameters.validate()?,
             Descriptor::Hks(parameters) => parameters.validate()?,
+        }
+        if let Some(parts) = &self.parts {
+            parts.validate()?;
         }
         for scale in &self.time_scales {
             scale.with_unit(1.0)?;

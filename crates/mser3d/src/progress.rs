@@ -16,6 +16,8 @@ mser3d_shape::choice! {
         Reliability = "reliability",
         /// The regions' descriptors
         Descriptors = "descriptors",
+        /// The bodies' parts, if they are asked for
+        Parts = "parts",
     }
 }
 

@@ -189,7 +189,7 @@ pub(crate) fn vertices_in(shape: &DiscreteShape, elements: &[u32]) -> Result<Vec
     Ok((0u32..).zip(shape.element_of_vertex()).filter(taken).map(|(vertex, _)| vertex).collect())
 }
 
-fn centroid(elements: &[u32], positions: &[[f64; 3]], mass: &[f64]) -> [f64; 3] {
+pub(crate) fn centroid(elements: &[u32], positions: &[[f64; 3]], mass: &[f64]) -> [f64; 3] {
     let mut sum = [0.0; 3];
     let mut total = 0.0;
     for &e in elements {

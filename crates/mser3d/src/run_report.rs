@@ -56,12 +56,13 @@ impl Clock {
         seconds
     }
 
-    pub fn stop(self) -> RunReport {
+    /// What the run took up to the end of the last stage.
+    pub fn report(&self) -> RunReport {
         RunReport {
             threads: rayon::current_num_threads(),
             seconds: self.stages.iter().map(|s| s.seconds).sum(),
             peak_memory_bytes: peak_memory(),
-            stages: self.stages,
+            stages: self.stages.clone(),
         }
     }
 }

@@ -91,6 +91,12 @@ pub enum ResultsError {
         /// What was asked for, as an option of the command line.
         option: &'static str,
     },
+    /// Parts were to be shown of a shape that was not divided into parts.
+    #[error("{path}: this result has no parts; run `mser3d detect` again with --parts auto or --parts N")]
+    NoParts {
+        /// What was searched.
+        path: String,
+    },
     /// A label map of results that are not on one grid.
     #[error("the results are not on one grid of voxels, so that no label map can hold them")]
     OtherGrid,

@@ -17,7 +17,7 @@ impl Results {
     /// | `.glb` | Blender, browsers | the mesh; `COLOR_0` and `_REGION` per vertex |
     /// | `.ply` | MeshLab, Blender | the mesh; colour and `region` per vertex |
     /// | `.vtp` | ParaView | the mesh; `color` and `region` per point |
-    /// | `.vti` | ParaView | the voxels; `region` and `inside` per cell |
+    /// | `.vti` | ParaView | the voxels; `region`, `inside` and, if there are parts, `part` per cell |
     /// | `.nii`, `.nii.gz` | Slicer, ITK-SNAP, nibabel | the voxels on the grid of the input; 1 + the number of the region, 0 for none |
     /// | `.mrk.json` | Slicer | the regions' centres and tips |
     ///
@@ -52,8 +52,11 @@ impl Results {
                 let no_grid = "the regions were found on a surface, there are no voxels; write .vtp";
                 let grid = self.grid.as_ref().ok_or_else(|| refuse(no_grid))?;
                 let regions = self.voxel_region();
-                let field = VoxelField { name: "region", values: VoxelValues::Labels(&regions) };
-                write_vti(path, grid, &[field])?;
+                let mut fields = vec![VoxelField { name: "region", values: VoxelValues::Labels(&regions) }];
+                if self.record.parts.is_some() {
+                    fields.push(VoxelField { name: "part", values: VoxelValues::Labels(&self.voxel_part) });
+                }
+                write_vti(path, grid, &fields)?;
             }
             _ => {
                 return Err(refuse(

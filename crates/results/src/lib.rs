@@ -15,7 +15,7 @@
 //! | `regions.json` | [`Record`]: version, input, parameters, warnings, trees, and the numbers of each region |
 //! | `features.npz` | the arrays below |
 //! | `surface.ply` | the mesh; colour and innermost region per vertex (none for a solid given as voxels) |
-//! | `volume.vti` | innermost region per voxel (volumes only) |
+//! | `volume.vti` | innermost region per voxel, and its part (volumes only) |
 //!
 //! | array in `features.npz` | type and shape | meaning |
 //! |---|---|---|
@@ -24,6 +24,7 @@
 //! | `region_voxels`, `region_voxels_start` | as above | voxels of each region |
 //! | `voxel_index` | uint32, voxels x 3 | place of each voxel in the grid, x fastest |
 //! | `voxel_region` | int32, voxels | innermost region of each voxel, -1 for none |
+//! | `vertex_part`, `voxel_part` | int32, vertices; int32, voxels | part of each, where parts were asked for; -1 for vertices of bodies that were not searched |
 //! | `grid_affine` | float64, 4 x 4 | index to world: a voxel's centre is `grid_affine @ (i, j, k, 1)` |
 //! | `eigenvalues`, `body1_eigenvalues`, ... | float64 | in length^-2; of the largest body, and of the others that were searched on their own |
 //! | `region_descriptor` | float64, regions x q | rows in the order of `regions.json` |
@@ -67,6 +68,7 @@ mod landmarks;
 mod load;
 pub mod msv;
 mod oriented_box;
+mod parts;
 mod record;
 mod results;
 mod shape_file;
@@ -83,8 +85,8 @@ pub use landmarks::write_landmarks;
 pub use mser3d_viewer::{Image, RenderOptions, Up};
 pub use oriented_box::OrientedBox;
 pub use record::{
-    FORMAT, GridRecord, InputRecord, Record, RegionRecord, SearchedBodyRecord, SpectrumRecord, TreeRecord,
-    VoxelizationRecord,
+    FORMAT, GridRecord, InputRecord, PartRecord, Record, RegionRecord, SearchedBodyRecord, SpectrumRecord,
+    TreeRecord, VoxelizationRecord,
 };
 pub use results::{Results, TreeArrays};
 pub use shape_file::{Contents, ShapeFile, ShapeOptions};

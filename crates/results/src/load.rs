@@ -49,6 +49,15 @@ impl Results {
             arrays.length("vertex_region", labels.len(), vertices)?;
             region_vertices = arrays.lists("region_vertices", regions, vertices)?;
         }
+        let (mut vertex_part, mut voxel_part) = (Vec::new(), Vec::new());
+        if let Some(parts) = &record.parts {
+            if has_mesh {
+                vertex_part = arrays.labels("vertex_part", mesh.vertices().len(), parts.len())?;
+            }
+            if let Some(grid) = &grid {
+                voxel_part = arrays.labels("voxel_part", grid.len(), parts.len())?;
+            }
+        }
         let file_vertex = match arrays.arrays.contains_key("file_vertex") {
             true => Some(arrays.indices("file_vertex", mesh.vertices().len())?),
             false => None,
@@ -78,6 +87,8 @@ impl Results {
             grid,
             region_vertices,
             region_voxels,
+            vertex_part,
+            voxel_part,
             eigenvalues,
             descriptor_width,
             descriptors,
@@ -112,6 +123,15 @@ impl Record {
                 && (region.tree as usize) < trees;
             if !known {
                 let reason = format!("region {} names a parent or tree that is none of its own", region.id);
+                return Err(ResultsError::Broken { path, reason });
+            }
+        }
+        let count = record.parts.as_ref().map_or(0, Vec::len);
+        let beyond = |twin: &u32| *twin as usize >= count;
+        for (place, part) in record.parts.iter().flatten().enumerate() {
+            let strange = part.region.is_some_and(|region| region as usize >= record.regions.len());
+            if part.id as usize != place || strange || part.twins.iter().any(beyond) {
+                let reason = format!("part {} names a region or part that is not there", part.id);
                 return Err(ResultsError::Broken { path, reason });
             }
         }
@@ -184,6 +204,16 @@ impl Arrays {
         let checked = values.iter().map(|&v| u32::try_from(v).ok().filter(|&v| (v as usize) < count));
         let indices: Option<Vec<u32>> = checked.collect();
         indices.ok_or_else(|| self.broken(format!("array {name} names something beyond {count}")))
+    }
+
+    /// As many numbers of lists, or -1, below `lists`.
+    fn labels(&mut self, name: &str, count: usize, lists: usize) -> Result<Vec<i32>, ResultsError> {
+        let values = self.take(name, integers)?;
+        self.length(name, values.len(), count)?;
+        let checked =
+            values.iter().map(|&v| i32::try_from(v).ok().filter(|&v| v >= -1 && i64::from(v) < lists as i64));
+        let labels: Option<Vec<i32>> = checked.collect();
+        labels.ok_or_else(|| self.broken(format!("array {name} names something beyond {lists}")))
     }
 
     /// Lists one after another, cut by `NAME_start`.

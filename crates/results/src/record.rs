@@ -4,7 +4,7 @@ use mser3d::comptree::{Polarity, SelectionReport};
 use mser3d::descriptors::TimeScale;
 use mser3d::spectral::SpectrumReport;
 use mser3d::voxelize::{Diagnosis, GridTopology, InsideTest, Voxelization};
-use mser3d::{Body, Features, Parameters, Region, RunReport};
+use mser3d::{Body, Features, Parameters, Part, Region, RunReport};
 use mser3d_fileio::file_stem;
 use mser3d_shape::vector::scale;
 use mser3d_shape::{Affine, Domain, VoxelGrid};
@@ -51,6 +51,8 @@ pub struct Record {
     pub warnings: Vec<String>,
     /// The regions, by descending volume.
     pub regions: Vec<RegionRecord>,
+    /// The parts of all bodies, by descending volume; none where they were not asked for.
+    pub parts: Option<Vec<PartRecord>>,
     /// What differs from run to run.
     pub run: RunReport,
 }
@@ -244,6 +246,35 @@ pub struct RegionRecord {
     pub oriented_box: OrientedBox,
 }
 
+/// A part.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
+pub struct PartRecord {
+    /// Its place in the list.
+    pub id: u32,
+    /// The body that it is a part of.
+    pub body: u32,
+    /// Whether it is what the other parts of its body leave.
+    pub trunk: bool,
+    /// The region that is most like what it grew from; none for the trunk.
+    pub region: Option<u32>,
+    /// The parts that are its mirror images, or equal to it.
+    pub twins: Vec<u32>,
+    /// Volume in length^3, or area in length^2.
+    pub volume: f64,
+    /// Volume over that of its body: of the whole shape, unless bodies are searched each on its own.
+    pub volume_fraction: f64,
+    /// Number of voxels; none for a surface.
+    pub voxels: Option<usize>,
+    /// Number of the mesh's vertices.
+    pub vertices: usize,
+    /// Centre of mass.
+    pub centroid: [f64; 3],
+    /// The smallest box around it along its principal axes.
+    pub oriented_box: OrientedBox,
+}
+
 impl SearchedBodyRecord {
     fn new(body: &Body) -> Self {
         let spectrum = SpectrumRecord {
@@ -284,6 +315,20 @@ impl Record {
             tip: tip(features, r),
             oriented_box: OrientedBox::around(&r.elements, positions, &mass, half_edges),
         });
+        let part = |(id, p): (u32, &Part)| PartRecord {
+            id,
+            body: p.body as u32,
+            trunk: p.trunk,
+            region: p.region.map(|region| region as u32),
+            twins: p.twins.iter().map(|&twin| twin as u32).collect(),
+            volume: p.volume,
+            volume_fraction: p.volume_fraction,
+            voxels: volume.then_some(p.elements.len()),
+            vertices: p.vertices.len(),
+            centroid: p.centroid,
+            oriented_box: OrientedBox::around(&p.elements, positions, &mass, half_edges),
+        };
+        let parts = features.partition.as_ref().map(|found| (0..).zip(&found.parts).map(part).collect());
         let trees = features.trees.iter().map(|t| TreeRecord {
             body: t.body as u32,
             time_scale: t.time_scale,
@@ -310,6 +355,7 @@ impl Record {
             duplicates: features.duplicates,
             warnings: notes.iter().cloned().chain(warnings).collect(),
             regions: regions.collect(),
+            parts,
             run: features.run.clone(),
         }
     }

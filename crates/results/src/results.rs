@@ -22,6 +22,10 @@ pub struct Results {
     pub region_vertices: Vec<Vec<u32>>,
     /// The voxels of each region, ascending; of a surface, none.
     pub region_voxels: Vec<Vec<u32>>,
+    /// The part of each vertex, -1 for those of bodies that were not searched; empty where no parts were asked for.
+    pub vertex_part: Vec<i32>,
+    /// The part of each voxel; of a surface, and where no parts were asked for, empty.
+    pub voxel_part: Vec<i32>,
     /// Eigenvalues of the Laplacian in length^-2, of each body.
     pub eigenvalues: Vec<Vec<f64>>,
     /// Length of a descriptor.
@@ -75,6 +79,13 @@ impl Results {
         let region_vertices = features.regions.iter().map(|r| r.vertices.clone()).collect();
         let elements = features.regions.iter().map(|r| r.elements.clone());
         let region_voxels = elements.map(|e| if grid.is_some() { e } else { Vec::new() }).collect();
+        let parts = features.partition.as_ref();
+        let vertex_part = parts.map_or_else(Vec::new, |found| {
+            found.part_of_vertex.iter().map(|part| part.map_or(-1, |part| part as i32)).collect()
+        });
+        let voxel_part = parts
+            .filter(|_| grid.is_some())
+            .map_or_else(Vec::new, |found| found.part_of_element.iter().map(|&part| part as i32).collect());
         let trees = features.trees.iter().map(|t| TreeArrays {
             parents: (0..t.tree.len() as u32).map(|n| t.tree.parent(n).unwrap_or(u32::MAX)).collect(),
             altitudes: t.tree.altitudes().to_vec(),
@@ -94,6 +105,8 @@ impl Results {
             grid: grid.cloned(),
             region_vertices,
             region_voxels,
+            vertex_part,
+            voxel_part,
             eigenvalues: features.bodies.iter().map(|body| body.basis.eigenvalues().to_vec()).collect(),
             descriptor_width: features.descriptors.width(),
             descriptors: features.descriptors.values().to_vec(),
@@ -115,6 +128,9 @@ impl Results {
         };
         let region_vertices: Result<_, ResultsError> = self.region_voxels.iter().map(vertices_of).collect();
         self.region_vertices = region_vertices?;
+        if self.record.parts.is_some() {
+            self.vertex_part = nearest.iter().map(|&voxel| self.voxel_part[voxel as usize]).collect();
+        }
         Ok(self)
     }
 

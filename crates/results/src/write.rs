@@ -5,7 +5,8 @@ use mser3d_shape::Choice;
 
 use crate::{Results, ResultsError, ResultsFolder};
 
-const FILES: [&str; 5] = ["regions.json", "features.npz", "surface.ply", "volume.vti", "view.html"];
+const FILES: [&str; 6] =
+    ["regions.json", "features.npz", "surface.ply", "volume.vti", "view.html", "parts.html"];
 
 mser3d_shape::choice! {
     /// What can be written to a folder of results besides.
@@ -59,6 +60,9 @@ impl Results {
         if !self.mesh_of_voxels {
             arrays.push(("vertex_region".to_owned(), NpyArray::flat(&vertex_region[..])));
             arrays.extend(lists("region_vertices", &self.region_vertices));
+            if self.record.parts.is_some() {
+                arrays.push(("vertex_part".to_owned(), NpyArray::flat(&self.vertex_part[..])));
+            }
         }
         if let Some(file_vertex) = &self.file_vertex {
             arrays.push(("file_vertex".to_owned(), NpyArray::flat(&file_vertex[..])));
@@ -67,6 +71,9 @@ impl Results {
             let index: Vec<u32> = grid.voxels().flatten().collect();
             arrays.push(("voxel_region".to_owned(), NpyArray::flat(&voxel_region[..])));
             arrays.extend(lists("region_voxels", &self.region_voxels));
+            if self.record.parts.is_some() {
+                arrays.push(("voxel_part".to_owned(), NpyArray::flat(&self.voxel_part[..])));
+            }
             arrays.push(("voxel_index".to_owned(), NpyArray::new(&[grid.len(), 3], index)?));
             let affine = self.record.grid.map_or(grid.frame().affine(), |grid| grid.affine);
             let affine = affine.matrix().as_flattened().to_vec();

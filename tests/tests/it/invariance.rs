@@ -80,7 +80,9 @@ fn any_stage_can_be_cancelled() {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         };
-        let detector = Detector::new(coarse(2000, 20)).with_progress(&cancel);
+        let mut parameters = coarse(2000, 20);
+        parameters.parts = Some(mser3d::PartParameters::default());
+        let detector = Detector::new(parameters).with_progress(&cancel);
         let error = detector.detect(Input::Volume(&mesh)).err();
         assert_eq!(error, Some(Error::Cancelled), "{stage:?}");
     }

@@ -2,6 +2,7 @@
 
 mod invariance;
 mod methods;
+mod parts;
 mod poses;
 mod real_shapes;
 mod turns;

@@ -196,7 +196,8 @@ fn every_field_and_array_of_a_result_is_documented() {
     let page = fs::read_to_string(root().join("docs/formats.md")).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let (result, matches) = (folder.path().join("result"), folder.path().join("matches"));
-    let record = regions(&fixtures().join("human.glb"), &result, "--voxels 1500 --eigenpairs 20 --quiet");
+    let options = "--voxels 1500 --eigenpairs 20 --parts auto --quiet";
+    let record = regions(&fixtures().join("human.glb"), &result, options);
     let keys = |value: &Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
     let mut names = keys(&record);
     for part in ["voxelization", "spectrum", "run"] {
@@ -204,6 +205,8 @@ fn every_field_and_array_of_a_result_is_documented() {
     }
     names.extend(keys(&record["regions"][0]));
     names.extend(keys(&record["trees"][0]));
+    names.extend(keys(&record["parts"][0]));
+    names.extend(keys(&record["parameters"]["parts"]));
     let arrays = mser3d_fileio::read_npz(&result.join("features.npz")).unwrap();
     names.extend(arrays.into_keys().filter(|name| !name.starts_with("tree") || name.starts_with("tree0")));
     let [match_, result, output] = ["match".as_ref(), result.as_os_str(), "-o".as_ref()];

@@ -236,6 +236,54 @@ fn inspect(path: &Path) -> (String, Value) {
 }
 
 #[test]
+fn parts_are_written_shown_and_exported() {
+    let folder = tempfile::tempdir().unwrap();
+    let (input, out) = (fixtures().join("human_rest.off"), folder.path().join("out"));
+    let output = detect(&input, &out, "--voxels 4000 --eigenpairs 40 --parts 6 --html");
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).ends_with("6 parts\n") && text(&output.stdout).contains(" trunk "));
+    let report = json(&out.join("regions.json"));
+    assert_eq!(report["parameters"]["parts"]["count"]["count"], 6);
+    let parts = list(&report, "parts");
+    assert_eq!(parts.len(), 6);
+    let arrays = Arrays::read(&out);
+    let (vertices, voxels) = (arrays.integers("vertex_part"), arrays.integers("voxel_part"));
+    assert_eq!((vertices.len(), voxels.len()), (3756, arrays.integers("voxel_index").len() / 3));
+    for (id, part) in parts.iter().enumerate() {
+        let count = |labels: &[i64]| labels.iter().filter(|&&label| label == id as i64).count();
+        assert_eq!((&part["id"], &part["voxels"]), (&id.into(), &count(&voxels).into()));
+        assert_eq!(part["vertices"], count(&vertices));
+        for twin in list(part, "twins") {
+            assert!(list(&parts[twin.as_u64().unwrap() as usize], "twins").contains(&id.into()));
+        }
+    }
+    let sum: f64 = parts.iter().map(|part| part["volume_fraction"].as_f64().unwrap()).sum();
+    assert!((sum - 1.0).abs() < 1e-9);
+    let vti = fs::read(out.join("volume.vti")).unwrap();
+    assert!(String::from_utf8_lossy(&vti).contains("Name=\"part\""));
+    assert!(fs::read_to_string(out.join("parts.html")).unwrap().contains("Parts of human_rest"));
+
+    let run = |arguments: &[&str]| {
+        let output = mser3d([&[arguments[0], out.to_str().unwrap()], &arguments[1..]].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+    };
+    run(&["render", "--parts", "--height", "60"]);
+    assert!(out.join("parts.png").exists() && !out.join("regions.png").exists());
+    let ply = folder.path().join("parts.ply");
+    run(&["export", "--parts", "-o", ply.to_str().unwrap()]);
+    assert_eq!(read_mesh(&ply, &ReadOptions::default()).unwrap().mesh.vertices().len(), 3756);
+
+    // Without parts there are none to show, and those of before are gone.
+    regions(&input, &out, COARSE);
+    assert!(!out.join("parts.html").exists() && json(&out.join("regions.json"))["parts"].is_null());
+    for command in ["render", "view"] {
+        let output = mser3d([command, out.to_str().unwrap(), "--parts"]);
+        assert_fails(&output, 1, &["human_rest.off", "no parts", "--parts auto"]);
+    }
+    assert_fails(&detect(&input, &out, "--parts 0"), 2, &["auto, or a whole number of at least 1"]);
+}
+
+#[test]
 fn inspect_tells_what_is_wrong_with_a_mesh() {
     let folder = tempfile::tempdir().unwrap();
     let cube = box_off([0.0; 3], [1.0; 3]);

@@ -4,6 +4,7 @@
 mod example;
 
 mod bodies;
+mod parts;
 mod reliability;
 mod weights;
 mod without_parts;

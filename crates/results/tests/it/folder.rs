@@ -53,6 +53,30 @@ fn a_volume_comes_back() {
 }
 
 #[test]
+fn parts_come_back_and_can_stand_for_regions() {
+    let mesh = dumbbell();
+    let asked = Parameters { parts: Some(mser3d::PartParameters::default()), ..parameters() };
+    let features = Detector::new(asked).detect(Input::Volume(&mesh)).unwrap();
+    let with_mesh = Results::new(&features, Some(&mesh), PATH).unwrap();
+    let grid = features.shape.grid().unwrap();
+    let solid = Detector::new(features.parameters.clone()).detect(Input::Solid(grid)).unwrap();
+    for results in [with_mesh, Results::new(&solid, None, "mask").unwrap()] {
+        let folder = tempfile::tempdir().unwrap();
+        results.write(folder.path()).unwrap();
+        let read = Results::load(folder.path()).unwrap();
+        assert_eq!(read.record, results.record);
+        assert_eq!((&read.vertex_part, &read.voxel_part), (&results.vertex_part, &results.voxel_part));
+        let parts = results.record.parts.as_ref().unwrap();
+        assert!(parts.len() >= 2 && results.vertex_part.len() == results.mesh.vertices().len());
+        let shown = read.with_parts_as_regions().unwrap();
+        assert_eq!(shown.voxel_region(), results.voxel_part);
+        assert_eq!(shown.vertex_region(), results.vertex_part);
+        assert!(shown.page("Parts", Up::Y).unwrap().contains("Parts"));
+        assert!(shown.with_parts_as_regions().unwrap_err().to_string().contains("--parts"));
+    }
+}
+
+#[test]
 fn regions_name_their_nodes() {
     let results = &*VOLUME;
     for (id, region) in results.record.regions.iter().enumerate() {

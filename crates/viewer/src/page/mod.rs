@@ -60,6 +60,7 @@ const SCRIPTS: [&str; 13] = [
 ///     parent: None,
 ///     altitude: 0.5,
 ///     stability: 12.0,
+///     reliability: Some(0.9),
 ///     volume: 0.01,
 ///     volume_fraction: 0.06,
 ///     vertices: &[0, 3],

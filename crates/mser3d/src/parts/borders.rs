@@ -1,0 +1,177 @@
+//! Where a part ends: the area of borders between elements, and the narrowest border along a branch.
+
+use mser3d_comptree::ComponentTree;
+use mser3d_shape::TriangleMesh;
+use mser3d_shape::vector::{norm, sub};
+
+use crate::{DiscreteShape, Elements};
+
+/// The linked neighbours of each element, and the border that it shares with each: the area of a voxel's face, or on a
+/// surface the length of the border between the cells around two vertices.
+pub(super) struct Links {
+    offsets: Vec<usize>,
+    to: Vec<u32>,
+    areas: Vec<f64>,
+}
+
+impl Links {
+    /// Neighbours by faces of linked voxels, or by edges of the mesh.
+    pub fn of(shape: &DiscreteShape) -> Self {
+        match shape.elements() {
+            Elements::Voxels { grid, .. } => {
+                let spacing = grid.frame().spacing();
+                let face = |axis: usize| spacing[(axis + 1) % 3] * spacing[(axis + 2) % 3];
+                let pairs = (0..3).flat_map(|axis| grid.linked_pairs(axis).map(move |p| (p, face(axis))));
+                Self::of_pairs(grid.len(), pairs.collect())
+            }
+            Elements::Vertices { mesh, .. } => Self::of_mesh(mesh),
+        }
+    }
+
+    /// Neighbours by edges of a mesh.
+    pub fn of_mesh(mesh: &TriangleMesh) -> Self {
+        Self::of_pairs(mesh.vertices().len(), dual_edges(mesh))
+    }
+
+    /// Borders of pairs that are given twice add up.
+    fn of_pairs(len: usize, mut pairs: Vec<([u32; 2], f64)>) -> Self {
+        pairs.extend_from_within(..);
+        let half = pairs.len() / 2;
+        pairs[half..].iter_mut().for_each(|(pair, _)| pair.swap(0, 1));
+        pairs.sort_by_key(|(pair, _)| *pair);
+        let mut links = Self { offsets: vec![0; len + 1], to: Vec::new(), areas: Vec::new() };
+        let mut last = None;
+        for ([from, to], area) in pairs {
+            match links.areas.last_mut().filter(|_| last == Some([from, to])) {
+                Some(sum) => *sum += area,
+                None => {
+                    links.to.push(to);
+                    links.areas.push(area);
+                    links.offsets[from as usize + 1] += 1;
+                }
+            }
+            last = Some([from, to]);
+        }
+        (0..len).for_each(|v| links.offsets[v + 1] += links.offsets[v]);
+        links
+    }
+
+    /// The neighbours of an element, and the border shared with each.
+    pub fn around(&self, element: u32) -> impl Iterator<Item = (u32, f64)> + '_ {
+        let range = self.offsets[element as usize]..self.offsets[element as usize + 1];
+        self.to[range.clone()].iter().copied().zip(self.areas[range].iter().copied())
+    }
+}
+
+/// The elements of a body, numbered by their places in it, and their neighbours there.
+pub(super) struct BodyLinks<'b> {
+    /// Their numbers in the shape, ascending.
+    pub elements: &'b [u32],
+    /// The neighbours of each, and the border shared with each.
+    pub around: Vec<Vec<(u32, f64)>>,
+    /// Volume or area of each; empty where it is not asked for.
+    pub mass: Vec<f64>,
+}
+
+impl<'b> BodyLinks<'b> {
+    pub fn new(elements: &'b [u32], links: &Links, mass: &[f64]) -> Self {
+        let number = |element: u32| elements.binary_search(&element).ok().map(|place| place as u32);
+        let around = |&e: &u32| links.around(e).filter_map(|(to, area)| Some((number(to)?, area))).collect();
+        Self { elements, around: elements.iter().map(around).collect(), mass: mass.to_vec() }
+    }
+}
+
+/// The border between the barycentric cells of the two ends of each edge, in each triangle.
+fn dual_edges(mesh: &TriangleMesh) -> Vec<([u32; 2], f64)> {
+    let sides = |t: usize| {
+        let (corners, at) = (mesh.triangles()[t], mesh.corners(t));
+        let mean: [f64; 3] = std::array::from_fn(|a| (at[0][a] + at[1][a] + at[2][a]) / 3.0);
+        [(0, 1), (1, 2), (2, 0)].map(|(i, j)| {
+            let middle = std::array::from_fn(|a| 0.5 * (at[i][a] + at[j][a]));
+            let pair = [corners[i].min(corners[j]), corners[i].max(corners[j])];
+            (pair, norm(sub(mean, middle)))
+        })
+    };
+    let all = (0..mesh.triangles().len()).flat_map(sides);
+    all.filter(|(pair, _)| pair[0] != pair[1]).collect()
+}
+
+/// A node of a tree, its volume and the area of its border.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bordered {
+    pub node: u32,
+    pub volume: f64,
+    pub border: f64,
+    /// The largest border of a node down the branch, over its own: more than 1 if it is narrower than what it closes off.
+    pub bulge: f64,
+}
+
+/// How far down a branch bulges are looked for, as a share of the volume.
+const TIP: f64 = 0.05;
+
+/// The node down the branch from `top` that has the largest V^2 / A, for the volume V and the area A of its border, among those
+/// with at least the share `kept` of the volume of `top`.
+///
+/// A tree's limb ends where it merges, and there it has often reached round into the body already. This takes the border back,
+/// as long as its area falls more than twice as fast as the volume, which it does not along a limb, even a tapering one.
+pub(super) fn narrowest(
+    tree: &ComponentTree,
+    elements: &[u32],
+    top: u32,
+    kept: f64,
+    links: &Links,
+    depth: &mut [u32],
+) -> Bordered {
+    let chain = down(tree, top, TIP * tree.volume(top));
+    // How many nodes of the chain each element is in: of those between a node and the next, as many as lead there.
+    let mut mark = |vertices: &[u32], place: usize| {
+        vertices.iter().for_each(|&v| depth[elements[v as usize] as usize] = place as u32);
+    };
+    for (place, &node) in chain.iter().enumerate() {
+        match chain.get(place + 1) {
+            Some(&next) => {
+                mark(tree.own_vertices(node), place + 1);
+                let aside = tree.children(node).filter(|&child| child != next);
+                aside.for_each(|child| mark(tree.vertices(child), place + 1));
+            }
+            None => mark(tree.vertices(node), place + 1),
+        }
+    }
+    let mut change = vec![0.0; chain.len() + 1];
+    for &v in tree.vertices(top) {
+        let from = elements[v as usize];
+        for (to, area) in links.around(from) {
+            let (own, other) = (depth[from as usize], depth[to as usize]);
+            if own > other {
+                change[other as usize] += area;
+                change[own as usize] -= area;
+            }
+        }
+    }
+    tree.vertices(top).iter().for_each(|&v| depth[elements[v as usize] as usize] = 0);
+    let mut borders = Vec::with_capacity(chain.len());
+    let mut border = 0.0;
+    for change in &change[..chain.len()] {
+        border += change;
+        borders.push(border.max(0.0));
+    }
+    let mut best = 0;
+    for (place, &node) in chain.iter().enumerate() {
+        let score = |place: usize, other: usize| tree.volume(chain[place]).powi(2) * borders[other];
+        if tree.volume(node) >= kept * tree.volume(top) && score(place, best) > score(best, place) {
+            best = place;
+        }
+    }
+    let bulge = borders[best..].iter().copied().fold(0.0, f64::max) / borders[best];
+    Bordered { node: chain[best], volume: tree.volume(chain[best]), border: borders[best], bulge }
+}
+
+/// A node and those below it along the largest children, down to a volume.
+pub(super) fn down(tree: &ComponentTree, top: u32, smallest: f64) -> Vec<u32> {
+    let largest = |&node: &u32| {
+        // Of equal ones the first.
+        let order = |a: &u32, b: &u32| tree.volume(*a).total_cmp(&tree.volume(*b)).then(b.cmp(a));
+        tree.children(node).max_by(order).filter(|&child| tree.volume(child) >= smallest)
+    };
+    std::iter::successors(Some(top), largest).collect()
+}

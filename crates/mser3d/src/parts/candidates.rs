@@ -1,0 +1,254 @@
+//! What may become a part: the regions of a body's trees, each with its narrowest border.
+
+use std::f64::consts::PI;
+
+use mser3d_comptree::{
+    AltitudeScale, ComponentTree, Merge, StabilityParameters, StabilityRule, StableRegion, stable_regions,
+};
+use mser3d_descriptors::{HksParameters, TimeScale, hks};
+use mser3d_shape::{Domain, IndexSet};
+
+use super::PartParameters;
+use super::borders::{Bordered, Links, down, narrowest};
+use super::twins::twin_groups;
+use crate::{Error, Features};
+
+/// The share of a region that its part keeps at least when its border is moved to a narrow place.
+const KEPT: f64 = 0.5;
+
+/// The growth at a merge of two that are alike, not of three.
+const TWO: f64 = 2.5;
+
+/// The share of a lifetime after which a merge is still under way.
+const SOON: f64 = 0.05;
+
+/// Lifetimes of limbs that are not ends of rods, whatever the altitude scale: more than ln 2.
+const LASTS: f64 = 1.0;
+
+/// The share of a body from which a component is all of it.
+const ALL: f64 = 0.95;
+
+/// From how many times a border on a cross-section is much wider.
+const WIDER: f64 = 1.5;
+
+/// The times at which candidates are compared.
+const TWIN_TIMES: [f64; 6] = [0.05, 0.1, 0.2, 0.5, 1.0, 2.0];
+
+/// A node of a tree that may become a part.
+pub(super) struct Candidate {
+    /// The region that it stands for.
+    pub region: Option<usize>,
+    /// The tree that it is of.
+    pub tree: usize,
+    /// Its elements, numbered as in the shape.
+    pub elements: Vec<u32>,
+    /// The same as a set.
+    pub set: IndexSet,
+    /// Volume or area.
+    pub volume: f64,
+    /// How surely it is a limb.
+    pub score: Score,
+}
+
+/// What candidates are ranked by.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Score {
+    /// How long it lasts before a real merge ends it; 0 where none does.
+    pub lifetime: f64,
+    /// The length of a round limb of its volume and border, over its radius: the larger, the narrower is what it hangs by.
+    pub narrowness: f64,
+}
+
+fn lifetime(region: &StableRegion) -> f64 {
+    region.merge.map_or(0.0, |merge| merge.lifetime)
+}
+
+/// How surely a region is a part of its own.
+fn score(region: &StableRegion, place: &Bordered, is_end: bool, domain: Domain) -> Score {
+    let Bordered { volume, border, .. } = *place;
+    let radius = match domain {
+        Domain::Volume => (border / PI).sqrt(),
+        Domain::Surface => border / (2.0 * PI),
+    };
+    let lifetime = match () {
+        // What heat does not flow out of lasts for ever.
+        () if border == 0.0 => f64::INFINITY,
+        () if is_end => 0.0,
+        () => lifetime(region),
+    };
+    Score { lifetime, narrowness: volume / border / radius }
+}
+
+/// Whether a region is the end of a rod and not a limb: it merges with one like it, then there is nothing left that they could
+/// be limbs of, and nowhere is it much wider than its border. At an end that is cut off straight, the heat kernel is twice that
+/// in the middle, so that it lasts ln 2.
+fn is_end_of_rod(
+    tree: &ComponentTree,
+    region: &StableRegion,
+    place: &Bordered,
+    scale: AltitudeScale,
+    measure: f64,
+) -> bool {
+    let meets_its_like = |merge: &Merge| merge.growth < TWO && merge.lifetime < LASTS;
+    let Some(merge) = region.merge.filter(meets_its_like) else { return false };
+    let level = |node: u32| match scale {
+        AltitudeScale::Log => tree.altitude(node).max(f64::MIN_POSITIVE).ln(),
+        AltitudeScale::Linear => tree.altitude(node),
+    };
+    let Some(merged) = tree.parent(region.node) else { return false };
+    let soon = |&node: &u32| (level(node) - level(merged)).abs() <= SOON * merge.lifetime;
+    let last = std::iter::successors(Some(merged), |&node| tree.parent(node)).take_while(soon).last();
+    let is_all = last.is_some_and(|node| tree.volume(node) >= ALL * measure);
+    is_all && place.bulge < WIDER
+}
+
+/// The candidates of a body, in groups that come and go together.
+pub(super) struct Candidates {
+    pub all: Vec<Candidate>,
+    /// Places of candidates.
+    pub groups: Vec<Vec<usize>>,
+}
+
+/// A region of a tree with its narrowest border.
+struct Narrowed {
+    tree: usize,
+    top: StableRegion,
+    place: Bordered,
+}
+
+impl Candidates {
+    pub fn of(
+        features: &Features,
+        body: usize,
+        links: &Links,
+        mass: &[f64],
+        parameters: &PartParameters,
+    ) -> Result<Self, Error> {
+        let searched = &features.bodies[body];
+        let mut depth = vec![0u32; features.shape.len()];
+        let mut narrow = |tree: &ComponentTree, top, kept| {
+            narrowest(tree, &searched.elements, top, kept, links, &mut depth)
+        };
+        let rule = stability(&features.parameters.stability, parameters);
+        let mut found: Vec<Narrowed> = Vec::new();
+        for (number, tree) in features.trees.iter().enumerate().filter(|(_, tree)| tree.body == body) {
+            for top in stable_regions(&tree.tree, &rule)?.regions {
+                let place = narrow(&tree.tree, top.node, KEPT);
+                // Of several with one border, such as a limb and a chance union of it with a little more, the one that lasts.
+                let same = |other: &&mut Narrowed| (other.tree, other.place.node) == (number, place.node);
+                match found.iter_mut().find(same) {
+                    Some(other) if lifetime(&other.top) >= lifetime(&top) => {}
+                    Some(other) => other.top = top,
+                    None => found.push(Narrowed { tree: number, top, place }),
+                }
+            }
+        }
+        let groups = groups(features, body, &found)?;
+        // The border of twins is where that of the smallest is.
+        for group in &groups {
+            let smallest = group.iter().map(|&c| found[c].place.volume).fold(f64::INFINITY, f64::min);
+            for &member in group {
+                let Narrowed { tree, place, .. } = &mut found[member];
+                let tree = &features.trees[*tree].tree;
+                let node = cut_off(tree, place.node, smallest);
+                if node != place.node {
+                    *place = narrow(tree, node, 1.0);
+                }
+            }
+        }
+        let domain = searched.basis.domain();
+        let candidate = |Narrowed { tree, top, place }: Narrowed| {
+            let own = &features.trees[tree].tree;
+            let number = |&v: &u32| searched.elements[v as usize];
+            let mut elements: Vec<u32> = own.vertices(place.node).iter().map(number).collect();
+            elements.sort_unstable();
+            let is_end = is_end_of_rod(own, &top, &place, rule.altitude, searched.measure());
+            Ok(Candidate {
+                region: stands_for(features, body, own.vertices(top.node), &searched.elements, mass)?,
+                tree,
+                set: IndexSet::from_members(features.shape.len(), elements.iter().copied())?,
+                elements,
+                volume: place.volume,
+                score: score(&top, &place, is_end, domain),
+            })
+        };
+        Ok(Self { all: found.into_iter().map(candidate).collect::<Result<_, Error>>()?, groups })
+    }
+}
+
+/// How the regions of a tree are found that may become parts: by the windowed rule, which knows real merges, none dropped
+/// because it is nearly as large as another.
+fn stability(own: &StabilityParameters, parameters: &PartParameters) -> StabilityParameters {
+    let usual = StabilityParameters::default();
+    StabilityParameters {
+        rule: StabilityRule::Windowed,
+        altitude: own.altitude,
+        min_volume_fraction: parameters.min_volume_fraction,
+        max_volume_fraction: usual.max_volume_fraction.max(parameters.min_volume_fraction),
+        min_diversity: 0.0,
+        ..usual
+    }
+}
+
+/// Groups of twins among regions: those of one tree that end alike. They are described by the logarithm of their mean heat
+/// kernel at some times, both cut off where they have the same volume.
+fn groups(features: &Features, body: usize, found: &[Narrowed]) -> Result<Vec<Vec<usize>>, Error> {
+    let basis = &features.bodies[body].basis;
+    let signatures =
+        hks(basis, &HksParameters { times: TWIN_TIMES.map(TimeScale::Relative).to_vec() }, None)?;
+    let describe = |tree: &ComponentTree, node: u32| {
+        let mut sums = [0.0; TWIN_TIMES.len()];
+        for &v in tree.vertices(node) {
+            let mass = basis.mass()[v as usize];
+            sums.iter_mut().zip(signatures.row(v as usize)).for_each(|(sum, h)| *sum += mass * h);
+        }
+        sums.map(|sum| (sum / tree.volume(node)).ln())
+    };
+    let distance = |a: usize, b: usize| {
+        let (a, b) = (&found[a], &found[b]);
+        let tree = &features.trees[a.tree].tree;
+        let nested = |x: &Narrowed, y: &Narrowed| tree.contains(x.place.node, y.place.node);
+        let ends = |x: &Narrowed| x.top.merge.is_some();
+        if a.tree != b.tree || ends(a) != ends(b) || nested(a, b) || nested(b, a) {
+            return None;
+        }
+        let volume = a.place.volume.min(b.place.volume);
+        let [a, b] = [a, b].map(|x| describe(tree, cut_off(tree, x.place.node, volume)));
+        let squares: f64 = a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum();
+        Some((squares / TWIN_TIMES.len() as f64).sqrt())
+    };
+    let volumes: Vec<f64> = found.iter().map(|c| c.place.volume).collect();
+    Ok(twin_groups(&volumes, distance))
+}
+
+/// The node down the branch that has about this volume, or the node itself where there is none.
+fn cut_off(tree: &ComponentTree, node: u32, volume: f64) -> u32 {
+    let chain = down(tree, node, 0.9 * volume);
+    chain.into_iter().find(|&below| tree.volume(below) <= 1.02 * volume).unwrap_or(node)
+}
+
+/// The pooled region that a region of a tree is, or that was kept in its place: the one that overlaps it most, at least by
+/// half.
+fn stands_for(
+    features: &Features,
+    body: usize,
+    vertices: &[u32],
+    elements: &[u32],
+    mass: &[f64],
+) -> Result<Option<usize>, Error> {
+    let own = IndexSet::from_members(features.shape.len(), vertices.iter().map(|&v| elements[v as usize]))?;
+    let volume: f64 = own.members().map(|e| mass[e]).sum();
+    let mut best = (0.5, None);
+    for (place, region) in features.regions.iter().enumerate().filter(|(_, region)| region.body == body) {
+        if volume.min(region.volume) < best.0 * volume.max(region.volume) {
+            continue;
+        }
+        let common: f64 =
+            region.elements.iter().filter(|&&e| own.contains(e as usize)).map(|&e| mass[e as usize]).sum();
+        let overlap = common / (volume + region.volume - common);
+        if overlap > best.0 {
+            best = (overlap, Some(place));
+        }
+    }
+    Ok(best.1)
+}

@@ -1,0 +1,55 @@
+use crate::{PartRecord, RegionRecord, Results, ResultsError};
+
+impl Results {
+    /// The same with the parts in place of the regions, to draw them and to give them to other programs as regions are. What
+    /// only regions have, such as a stability, is missing then, and so are the trees.
+    ///
+    /// # Errors
+    /// [`ResultsError::NoParts`] where no parts were asked for.
+    pub fn with_parts_as_regions(&self) -> Result<Self, ResultsError> {
+        let Some(parts) = &self.record.parts else {
+            return Err(ResultsError::NoParts { path: self.record.input.path.clone() });
+        };
+        let mut results = self.clone();
+        results.record.regions = parts.iter().map(as_region).collect();
+        results.record.parts = None;
+        results.region_vertices = members(&self.vertex_part, parts.len());
+        results.region_voxels = members(&self.voxel_part, parts.len());
+        (results.vertex_part, results.voxel_part) = (Vec::new(), Vec::new());
+        results.trees = Vec::new();
+        (results.descriptors, results.descriptor_width) = (Vec::new(), 0);
+        Ok(results)
+    }
+}
+
+/// A part as far as it is like a region.
+fn as_region(part: &PartRecord) -> RegionRecord {
+    RegionRecord {
+        id: part.id,
+        parent: None,
+        body: part.body,
+        tree: 0,
+        altitude: f64::NAN,
+        stability: f64::NAN,
+        reliability: None,
+        lifetime: None,
+        volume: part.volume,
+        volume_fraction: part.volume_fraction,
+        voxels: part.voxels,
+        vertices: part.vertices,
+        centroid: part.centroid,
+        tip: part.centroid,
+        oriented_box: part.oriented_box,
+    }
+}
+
+/// What each label is given to.
+fn members(labels: &[i32], count: usize) -> Vec<Vec<u32>> {
+    let mut members = vec![Vec::new(); count];
+    for (number, &label) in (0..).zip(labels) {
+        if let Some(own) = usize::try_from(label).ok().and_then(|label| members.get_mut(label)) {
+            own.push(number);
+        }
+    }
+    members
+}
