@@ -77,7 +77,7 @@ fn cut_links_keep_limbs_apart_that_touch_or_press() {
         let cut = HUMAN.compare(pose, &HUMAN.parameters);
         assert!(cut.regions >= 15 && cut.repeatability >= 0.8, "{pose}: {cut:?}");
         let linked = HUMAN.compare(pose, &glued);
-        assert!(linked.repeatability <= cut.repeatability - 0.1, "{pose}: {linked:?}, cut {cut:?}");
+        assert!(linked.repeatability < cut.repeatability - 0.05, "{pose}: {linked:?}, cut {cut:?}");
     }
 }
 

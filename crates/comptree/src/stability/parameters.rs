@@ -25,7 +25,7 @@ mser3d_shape::choice! {
         ///
         /// A branch that lasts less than the minimum lifetime is no part. What it began and ended with are one merge;
         /// or, if it began with none, it is a bump on the part that it joins. On the logarithmic scale a candidate must
-        /// also have a border, sharper than a shape without parts has anywhere: a stability above 0.2 (the corner of a
+        /// also have a border ([`sharp_borders`](StabilityParameters::sharp_borders)), sharper than a shape without parts has anywhere: a stability above 0.2 (the corner of a
         /// solid) before a merge with other parts, and above 0.65 (the end of a rod) elsewhere. So nothing is found on a
         /// ball, a brick, a torus or a cylinder.
         #[default]
@@ -71,6 +71,9 @@ pub struct StabilityParameters {
     /// none given, which is 0.1 for [`AltitudeScale::Log`] and 0 for [`AltitudeScale::Linear`], whose unit is that of the
     /// weight.
     pub min_lifetime: Option<f64>,
+    /// Whether a region must have a border that is sharper than a shape without parts has anywhere; only in
+    /// [`StabilityRule::Windowed`] on the logarithmic scale. Default: yes.
+    pub sharp_borders: bool,
     /// On which scale altitude is measured. Default: logarithmic.
     pub altitude: AltitudeScale,
     /// Smallest volume of a region as a fraction of the total, 0 to 1. Default 0.01.
@@ -92,6 +95,7 @@ impl Default for StabilityParameters {
             rule: StabilityRule::Windowed,
             window: 0.3,
             min_lifetime: None,
+            sharp_borders: true,
             altitude: AltitudeScale::Log,
             min_volume_fraction: 0.01,
             max_volume_fraction: 0.75,

@@ -32,6 +32,7 @@ pub(super) fn maxima(
     smallest: f64,
 ) -> (Vec<Candidate>, usize) {
     let (window, min_lifetime) = (parameters.window, parameters.min_lifetime());
+    let must_be_sharp = parameters.sharp_borders && levels.scale == AltitudeScale::Log;
     let (mut candidates, mut blunt) = (Vec::new(), 0);
     let branches = branches(levels, smallest, min_lifetime);
     for branch in branches.into_iter().filter(|branch| branch.lasts(min_lifetime)) {
@@ -58,7 +59,7 @@ pub(super) fn maxima(
             let whole = i + 1 == instability.len() && merge.is_none();
             let own_border = merge.is_some_and(|merge| !merge.copies);
             let least = if own_border { CORNER } else { ROD };
-            if levels.scale == AltitudeScale::Log && !whole && stability < least {
+            if must_be_sharp && !whole && stability < least {
                 blunt += 1;
                 continue;
             }

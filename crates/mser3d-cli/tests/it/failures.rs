@@ -79,7 +79,8 @@ fn a_small_shape_has_fewer_eigenpairs_than_is_usual() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     fs::write(path("few.npy"), npy([9, 3, 3], |_, _, _| true)).unwrap();
-    let output = detect(&path("few.npy"), &path("few"), "");
+    // A brick has no parts: the rule that looks for none finds regions in it all the same.
+    let output = detect(&path("few.npy"), &path("few"), "--stability-rule baseline");
     assert!(output.status.success());
     assert!(text(&output.stderr).contains("only 81 eigenpairs in so small a shape"), "{output:?}");
     let report = json(&path("few/regions.json"));
@@ -90,7 +91,8 @@ fn a_small_shape_has_fewer_eigenpairs_than_is_usual() {
     // What was said compares with it is not refused.
     fs::write(path("more.npy"), npy([20, 4, 4], |_, _, _| true)).unwrap();
     let matches = |options: &str| {
-        assert!(detect(&path("more.npy"), &path("more"), options).status.success());
+        let options = format!("{options} --stability-rule baseline");
+        assert!(detect(&path("more.npy"), &path("more"), &options).status.success());
         mser3d(["match".as_ref(), path("few").as_os_str(), path("more").as_os_str()])
     };
     assert_fails(&matches(""), 1, &["--eigenpairs 81 against 100"]);
@@ -105,7 +107,7 @@ fn a_bound_of_the_eigenvalues_serves_shapes_of_any_size() {
         .map(|(name, size)| {
             let input = path(&format!("{name}.npy"));
             fs::write(&input, npy(size, |_, _, _| true)).unwrap();
-            let output = detect(&input, &path(name), "--lambda-max 90");
+            let output = detect(&input, &path(name), "--lambda-max 90 --stability-rule baseline");
             assert!(output.status.success(), "{output:?}");
             let report = json(&path(name).join("regions.json"));
             assert_eq!(report["parameters"]["spectrum"]["eigenpairs"]["lambda_max"], 90.0);
@@ -143,6 +145,8 @@ fn wrong_use_exits_with_2_and_names_the_option() {
         ("--time-scale 0.5,-1", &["--time-scale", "positive"]),
         ("--time-scale 1 --absolute-time 1", &["--time-scale", "--absolute-time"]),
         ("--window 0", &["--window", "positive"]),
+        ("--min-lifetime -1", &["--min-lifetime", "0 or more"]),
+        ("--reliability 0 --min-reliability 0.5", &["reliability.deformations", "at least 1"]),
         ("--min-volume 2", &["--min-volume", "between 0 and 1"]),
         ("--min-volume 0.5 --max-volume 0.4", &["volume"]),
         ("--min-diversity -0.1", &["--min-diversity", "between 0 and 1"]),

@@ -77,11 +77,11 @@ fn a_volume_writes_four_files_that_agree() {
     assert_eq!(report["input"]["diagnosis"]["closed"], true);
     assert_eq!(report["parameters"]["spectrum"]["eigenpairs"]["count"], 40);
     assert_eq!(report["parameters"]["voxelize"]["pitch"]["voxels"], 4000);
-    assert_eq!(report["parameters"]["stability"]["window"], 0.2);
+    assert_eq!(report["parameters"]["stability"]["window"], 0.3);
     assert!(report["warnings"].is_array());
     let stages: Vec<&str> =
         list(&report["run"], "stages").iter().map(|s| s["stage"].as_str().unwrap()).collect();
-    assert_eq!(stages, ["voxelize", "spectrum", "regions", "descriptors"]);
+    assert_eq!(stages, ["voxelize", "spectrum", "regions", "reliability", "descriptors"]);
     assert!(list(&report["run"], "stages").iter().all(|s| s["seconds"].as_f64().unwrap() >= 0.0));
 
     let arrays = Arrays::read(folder.path());

@@ -185,6 +185,8 @@ fn stability(own: &StabilityParameters, parameters: &PartParameters) -> Stabilit
         altitude: own.altitude,
         min_volume_fraction: parameters.min_volume_fraction,
         max_volume_fraction: usual.max_volume_fraction.max(parameters.min_volume_fraction),
+        // Ends of rods are told by other means.
+        sharp_borders: false,
         min_diversity: 0.0,
         ..usual
     }
