@@ -24,6 +24,9 @@ pub(super) struct Deformed {
     measures: Vec<f64>,
 }
 
+/// How many times longer the voxels of a copy are: 0.58 of the voxels, in less than half of the time.
+const COARSER: f64 = 1.2;
+
 /// How far, in voxels, an element may be from the voxel that it became.
 const REACH: f64 = 2.0;
 
@@ -54,7 +57,7 @@ impl<'a> Original<'a> {
             Self::Volume(mesh) => {
                 let mut parameters = parameters.clone();
                 if let Some(grid) = shape.grid() {
-                    parameters.voxelize.pitch = Pitch::Spacing(grid.frame().spacing());
+                    parameters.voxelize.pitch = Pitch::Spacing(grid.frame().spacing().map(|h| COARSER * h));
                 }
                 parameters.voxelize.frame = None;
                 let moved = moved(mesh, &warp)?;
