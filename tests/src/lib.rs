@@ -53,7 +53,7 @@ pub fn coarse(voxels: usize, eigenpairs: usize) -> Parameters {
     let mut parameters = Parameters::default();
     parameters.voxelize.pitch = Pitch::Voxels(voxels);
     parameters.spectrum.eigenpairs = eigenpairs.into();
-    parameters.reliability.deformations = 0;
+    parameters.reliability.deformations = Some(0);
     parameters
 }
 

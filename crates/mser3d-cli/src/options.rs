@@ -121,9 +121,9 @@ pub struct RegionOptions {
           default_value_t = PoolParameters::default().duplicate_overlap, help_heading = "Regions")]
     pub duplicate_overlap: f64,
     /// Deformed copies of the shape that are searched, to measure how surely each region is found again; 0 for none
-    #[arg(long, value_name = "N", default_value_t = ReliabilityParameters::default().deformations,
-          help_heading = "Regions")]
-    pub reliability: usize,
+    /// [default: 6, fewer where they take over 10 s]
+    #[arg(long, value_name = "N", help_heading = "Regions")]
+    pub reliability: Option<usize>,
     /// Drop regions that are found again less surely, 0 to 1
     #[arg(long, value_name = "P", value_parser = fraction, help_heading = "Regions")]
     pub min_reliability: Option<f64>,

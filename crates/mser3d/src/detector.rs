@@ -161,10 +161,13 @@ impl<'a> Detector<'a> {
         let duplicates: usize = sets.iter().map(|set| set.duplicates).sum();
         tracing::info!(regions = count(&sets), trees, duplicates, seconds, "found regions");
 
-        if parameters.reliability.deformations > 0 {
-            reliability::measure(&input, &shape, &searched, &mut sets, parameters, *progress)?;
-            let (seconds, copies) = (clock.lap(Stage::Reliability), parameters.reliability.deformations);
+        let copies = parameters.copies(&input);
+        if copies > 0 {
+            reliability::measure(&input, &shape, &searched, &mut sets, parameters, copies, *progress)?;
+            let seconds = clock.lap(Stage::Reliability);
             tracing::info!(copies, regions = count(&sets), seconds, "measured reliability");
+        } else if parameters.reliability.deformations.is_none() && !matches!(input, Input::Shape(_)) {
+            warnings.push(Warning::Unmeasured { of_field: parameters.weight == Weight::Field });
         }
 
         let mut found = Vec::with_capacity(bodies.len());

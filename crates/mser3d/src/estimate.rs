@@ -4,6 +4,7 @@ use mser3d_descriptors::TimeScale;
 use mser3d_shape::{Domain, TriangleMesh};
 use mser3d_spectral::Eigensolver;
 
+use crate::reliability::COARSER;
 use crate::{Descriptor, Input, Parameters, Weight};
 
 /// What a run will take, roughly.
@@ -34,13 +35,15 @@ pub struct StageSeconds {
     pub spectrum: f64,
     /// Weights and component trees, for all time scales.
     pub regions: f64,
+    /// Deformed copies, searched for the same regions.
+    pub reliability: f64,
     /// The descriptors.
     pub descriptors: f64,
 }
 
 impl StageSeconds {
     fn sum(&self) -> f64 {
-        self.voxelize + self.spectrum + self.regions + self.descriptors
+        self.voxelize + self.spectrum + self.regions + self.reliability + self.descriptors
     }
 }
 
@@ -78,6 +81,10 @@ impl Parameters {
             voxelize: solid.seconds,
             spectrum: spectrum.seconds,
             regions: links * trees as f64 * elements * (160e-9 + 0.4e-9 * k) + weight.seconds,
+            reliability: match self.copies(input) {
+                0 => 0.0,
+                copies => copies as f64 * self.seconds_of_copy(input),
+            },
             descriptors: elements * samples as f64 * (1.8e-9 + 0.035e-9 * k),
         };
         let numbers = spectrum.numbers + weight.numbers;
@@ -90,7 +97,29 @@ impl Parameters {
             stages,
         }
     }
+
+    /// Seconds of work on one core that a deformed copy takes: [`ReliabilityParameters`](crate::ReliabilityParameters).
+    pub(crate) fn seconds_of_copy(&self, input: &Input) -> f64 {
+        let elements = input.expected_elements(self) as f64;
+        let all = self.spectrum.eigenpairs.about(input.domain()) as f64;
+        let k = if self.weight.has_time_scale() { all.min(COPY_EIGENPAIRS) } else { all };
+        let trees = if self.weight.has_time_scale() { self.time_scales.len() } else { 1 } as f64;
+        let (n, spectrum) = match input.domain() {
+            Domain::Volume => {
+                let n = elements / if matches!(input, Input::Volume(_)) { COARSER.powi(3) } else { 1.0 };
+                (n, volume_spectrum(n, k, self.spectrum.solver).seconds)
+            }
+            Domain::Surface => (elements, surface_spectrum(elements, k).seconds),
+        };
+        let solid = Solid::of(input, self, elements).seconds;
+        // The nearest voxel of each.
+        let places = 0.4e-6 * elements;
+        solid + 0.6 * spectrum + trees * n * 170e-9 + places + weight_work(self, input, n).seconds
+    }
 }
+
+/// Eigenpairs that matter at the default times.
+const COPY_EIGENPAIRS: f64 = 25.0;
 
 /// What a part of the work takes.
 struct Work {

@@ -32,6 +32,11 @@ pub enum Warning {
         /// How many parts, as far as the eigenpairs tell.
         parts: usize,
     },
+    /// The reliability of regions was not measured.
+    Unmeasured {
+        /// Since the weight is a field, which deformed copies don't have; otherwise since they would take long.
+        of_field: bool,
+    },
     /// The shape, or the smallest of its bodies, is so small that it has fewer eigenpairs than are wanted.
     FewEigenpairs {
         /// How many are wanted.
@@ -79,6 +84,17 @@ impl fmt::Display for Warning {
                 f,
                 "heat does not pass between {parts} parts of the shape, so that small ones are regions as a whole; \
                  --bodies largest or all searches bodies on their own"
+            ),
+            Self::Unmeasured { of_field: true } => {
+                write!(
+                    f,
+                    "the reliability of regions is not known: deformed copies don't have the field of values"
+                )
+            }
+            Self::Unmeasured { of_field: false } => write!(
+                f,
+                "the reliability of regions was not measured, since deformed copies of so large a shape would take \
+                 long; --reliability 6 measures it"
             ),
             Self::FewEigenpairs { wanted, available } => write!(
                 f,

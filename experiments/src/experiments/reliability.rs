@@ -18,7 +18,7 @@ pub struct Arguments {
     #[command(flatten)]
     sets: SetArguments,
     /// Deformed copies of each shape
-    #[arg(long, default_value_t = Parameters::default().reliability.deformations)]
+    #[arg(long, default_value_t = 6)]
     copies: usize,
     /// How far each wave of a deformation moves the shape, over its diagonal
     #[arg(long, default_value_t = Parameters::default().reliability.amplitude)]
@@ -84,7 +84,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
 fn detect(set: &PoseSet, arguments: &Arguments) -> Result<Vec<Found>, Box<dyn Error>> {
     let mut parameters = Parameters::default();
     parameters.voxelize.pitch = Pitch::Voxels(arguments.sets.voxels);
-    parameters.reliability.deformations = arguments.copies;
+    parameters.reliability.deformations = Some(arguments.copies);
     parameters.reliability.amplitude = arguments.amplitude;
     if set.kind == Kind::Poses {
         parameters = parameters.with_scale_of(Input::Volume(set.null.mesh()))?;

@@ -82,7 +82,7 @@ fn any_stage_can_be_cancelled() {
         };
         let mut parameters = coarse(2000, 20);
         parameters.parts = Some(mser3d::PartParameters::default());
-        parameters.reliability.deformations = 1;
+        parameters.reliability.deformations = Some(1);
         let detector = Detector::new(parameters).with_progress(&cancel);
         let error = detector.detect(Input::Volume(&mesh)).err();
         assert_eq!(error, Some(Error::Cancelled), "{stage:?}");

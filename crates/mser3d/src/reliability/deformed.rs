@@ -25,7 +25,7 @@ pub(super) struct Deformed {
 }
 
 /// How many times longer the voxels of a copy are: 0.58 of the voxels, in less than half of the time.
-const COARSER: f64 = 1.2;
+pub(crate) const COARSER: f64 = 1.2;
 
 /// How far, in voxels, an element may be from the voxel that it became.
 const REACH: f64 = 2.0;

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use crate::progress::{Progress, ProgressFn, Stage, report};
 use crate::regions::find_regions_with;
 use crate::{Body, DiscreteShape, Error, Input, Parameters, Region, RegionSet, Weight};
+pub(crate) use deformed::COARSER;
 use deformed::{Deformed, Original};
 
 /// How the reliability of regions is measured, and which of them are kept.
@@ -18,8 +19,9 @@ use deformed::{Deformed, Original};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ReliabilityParameters {
-    /// How many deformed copies of the shape are searched. 0 measures nothing. Default 6.
-    pub deformations: usize,
+    /// How many deformed copies of the shape are searched. 0 measures nothing. Default: none given, which is
+    /// [`Parameters::copies`] of the input.
+    pub deformations: Option<usize>,
     /// How far each of the six waves of a deformation moves the shape, over the diagonal of its box. Default 0.02.
     pub amplitude: f64,
     /// What the random deformations depend on.
@@ -30,7 +32,7 @@ pub struct ReliabilityParameters {
 
 impl Default for ReliabilityParameters {
     fn default() -> Self {
-        Self { deformations: 6, amplitude: 0.02, seed: 1, min_reliability: None }
+        Self { deformations: None, amplitude: 0.02, seed: 1, min_reliability: None }
     }
 }
 
@@ -50,9 +52,32 @@ impl ReliabilityParameters {
         )?;
         let least = self.min_reliability.unwrap_or(0.0);
         unless((0.0..=1.0).contains(&least), "min_reliability", least, "between 0 and 1")?;
-        let asked = self.min_reliability.is_none() || self.deformations > 0;
+        let asked = self.min_reliability.is_none() || self.deformations != Some(0);
         unless(asked, "reliability.deformations", 0.0, "at least 1, as a least reliability is asked for")?;
         Ok(())
+    }
+}
+
+/// The most copies that are searched unless a number is asked for, and the fewest that say anything.
+const COPIES: [usize; 2] = [6, 3];
+
+/// Seconds of one core that they may take then, as estimated.
+const BUDGET: f64 = 10.0;
+
+impl Parameters {
+    /// How many deformed copies of an input are searched: as many as the parameters say. If they don't, 6, or as few as 3
+    /// where they would take longer than 10 seconds of one core by [`Parameters::estimate`], or none where 3 would. None of a
+    /// shape that was made before, or for a weight that is a field, as their copies are not known.
+    pub fn copies(&self, input: &Input) -> usize {
+        if self.weight == Weight::Field || Original::of(input).is_none() {
+            return 0;
+        }
+        let [most, fewest] = COPIES;
+        let affordable = || (BUDGET / self.seconds_of_copy(input)) as usize;
+        self.reliability.deformations.unwrap_or_else(|| match affordable().min(most) {
+            few if few < fewest => 0,
+            enough => enough,
+        })
     }
 }
 
@@ -77,21 +102,19 @@ fn chance(overlap: f64) -> f64 {
 
 /// Measures the reliability of regions, and drops those below the minimum.
 ///
-/// The shape is deformed at random and searched again as often as asked, with the eigenpairs that its times need. `sets`
-/// holds the regions of each body, with the elements numbered as in the body. Nothing is measured of a shape that was made
-/// before, or of a field of values, as their copies are not known.
+/// The shape is deformed at random and searched again, `total` times, with the eigenpairs that its times need. `sets` holds
+/// the regions of each body, with the elements numbered as in the body.
 pub(crate) fn measure(
     input: &Input,
     shape: &DiscreteShape,
     bodies: &[Body],
     sets: &mut [RegionSet],
     parameters: &Parameters,
+    total: usize,
     progress: ProgressFn,
 ) -> Result<(), Error> {
     let own = &parameters.reliability;
-    let can = own.deformations > 0 && parameters.weight != Weight::Field;
-    let Some(original) = Original::of(input).filter(|_| can) else { return Ok(()) };
-    let total = own.deformations;
+    let Some(original) = Original::of(input).filter(|_| total > 0) else { return Ok(()) };
     report(progress, Stage::Reliability, 0, total)?;
     let elements: Vec<Vec<u32>> = sets
         .iter()

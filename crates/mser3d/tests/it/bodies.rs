@@ -440,6 +440,6 @@ fn an_estimate_counts_what_will_be_searched() {
     assert_eq!(elements(Bodies::Largest, Input::Surface(&soup(&whole))), whole.vertices().len());
     let estimate = with(Bodies::Largest).estimate(&Input::Volume(&apart));
     let stages = estimate.stages;
-    let sum = stages.voxelize + stages.spectrum + stages.regions + stages.descriptors;
+    let sum = stages.voxelize + stages.spectrum + stages.regions + stages.reliability + stages.descriptors;
     assert!(stages.voxelize > 0.0 && estimate.seconds > sum && estimate.seconds < sum + 0.1);
 }

@@ -66,7 +66,7 @@ fn parameters() -> Parameters {
     let mut parameters = Parameters::default();
     parameters.voxelize.pitch = Pitch::Voxels(3000);
     parameters.spectrum.eigenpairs = 30.into();
-    parameters.reliability.deformations = 0;
+    parameters.reliability.deformations = Some(0);
     parameters
 }
 
@@ -151,7 +151,7 @@ fn progress_goes_through_the_stages_and_can_cancel_in_each() {
         ControlFlow::Continue(())
     };
     let mut parameters = parameters();
-    parameters.reliability.deformations = 3;
+    parameters.reliability.deformations = Some(3);
     Detector::new(parameters.clone()).with_progress(&hear).detect(Input::Volume(&mesh)).unwrap();
     let heard = heard.into_inner().unwrap();
     assert!(heard.is_sorted_by_key(|p| (p.stage as usize, p.done)), "{heard:?}");

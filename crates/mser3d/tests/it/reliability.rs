@@ -1,13 +1,14 @@
 //! How surely regions are found again.
 use mser3d::shape::{BitGrid, Frame, TriangleMesh, VoxelGrid};
 use mser3d::spectral::EigenpairRange;
+use mser3d::voxelize::Pitch;
 use mser3d::{Detector, Error, Features, Input, Parameters};
 
 use crate::{club, parameters};
 
 fn with_copies(copies: usize) -> Parameters {
     let mut parameters = parameters();
-    parameters.reliability.deformations = copies;
+    parameters.reliability.deformations = Some(copies);
     parameters
 }
 
@@ -71,7 +72,7 @@ fn unreliable_regions_can_be_dropped() {
     assert!(kept.regions.iter().all(|region| region.reliability >= Some(least)));
     assert_eq!(kept.descriptors.rows().len(), kept.regions.len());
     assert!(kept.regions.iter().all(|region| region.parent.is_none_or(|p| p < kept.regions.len())));
-    parameters.reliability.deformations = 0;
+    parameters.reliability.deformations = Some(0);
     let error = Detector::new(parameters).detect(Input::Volume(&mesh)).err().unwrap();
     assert!(
         matches!(&error, Error::InvalidParameter(_)) && error.to_string().contains("deformations"),
@@ -90,4 +91,21 @@ fn a_surface_and_a_small_mask_are_deformed_too() {
     let frame = Frame::new([12, 2, 1], [0.0; 3], [1.0; 3]).unwrap();
     let bar = VoxelGrid::solid(frame, BitGrid::full([12, 2, 1]).unwrap()).unwrap();
     assert!(Detector::new(parameters).detect(Input::Solid(&bar)).is_ok());
+}
+
+#[test]
+fn copies_that_would_take_long_are_not_searched_unless_asked_for() {
+    let mesh = club(1.0);
+    let mut parameters = Parameters::default();
+    assert_eq!(parameters.copies(&Input::Volume(&mesh)), 6);
+    parameters.voxelize.pitch = Pitch::Voxels(4_000_000);
+    assert_eq!(parameters.copies(&Input::Volume(&mesh)), 0);
+    let stages = |parameters: &Parameters| parameters.estimate(&Input::Volume(&mesh)).stages;
+    assert_eq!(stages(&parameters).reliability, 0.0);
+    parameters.reliability.deformations = Some(2);
+    assert_eq!(parameters.copies(&Input::Volume(&mesh)), 2);
+    assert!(stages(&parameters).reliability > 5.0);
+    // What a shape was made of is not known afterwards.
+    let features = detect(&with_copies(2), Input::Volume(&mesh));
+    assert_eq!(parameters.copies(&Input::Shape(Box::new(features.shape))), 0);
 }

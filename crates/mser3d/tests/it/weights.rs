@@ -26,7 +26,7 @@ fn parameters() -> Parameters {
     let mut parameters = Parameters::default();
     parameters.voxelize.pitch = Pitch::Voxels(4000);
     parameters.spectrum.eigenpairs = 12.into();
-    parameters.reliability.deformations = 0;
+    parameters.reliability.deformations = Some(0);
     parameters
 }
 
