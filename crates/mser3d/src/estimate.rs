@@ -111,9 +111,13 @@ impl Parameters {
             }
             Domain::Surface => (elements, surface_spectrum(elements, k).seconds),
         };
-        let solid = Solid::of(input, self, elements).seconds;
+        let solid = match input {
+            // The box around what is moved, which is wider; and the components in it.
+            Input::Solid(_) => 0.4e-6 * Solid::of(input, self, elements).in_box,
+            _ => Solid::of(input, self, elements).seconds,
+        };
         // The nearest voxel of each.
-        let places = 0.4e-6 * elements;
+        let places = 1e-6 * elements;
         solid + 0.6 * spectrum + trees * n * 170e-9 + places + weight_work(self, input, n).seconds
     }
 }

@@ -52,8 +52,7 @@ pub struct Merge {
     pub growth: f64,
     /// How long the part lasts: the difference of level from the start of its branch (a real merge, or where
     /// it reached half of the minimum volume) to the real merge that ends it, in units of the altitude on the
-    /// chosen scale. This is the score to rank regions by: the longest lifetime first, regions without a
-    /// merge last.
+    /// chosen scale.
     pub lifetime: f64,
 }
 

@@ -1,3 +1,4 @@
+use mser3d_shape::vector::Vec3;
 use mser3d_shape::{BitGrid, BoundingBox, Frame, IndexSet, TriangleMesh, VoxelGrid};
 use mser3d_voxelize::Pitch;
 use rayon::prelude::*;
@@ -42,7 +43,8 @@ impl<'a> Original<'a> {
     }
 
     /// The copy that a deformation makes. A mesh is moved, and its solid divided into voxels of the same size. A mask is
-    /// sampled anew on the same grid made wider: a voxel is in the copy if what comes to its centre is in the original.
+    /// sampled anew on the same grid made wider: a voxel is in the copy if its centre is moved into the original. So a mask is
+    /// deformed by the inverse, which is as random.
     pub fn deform(
         self,
         shape: &DiscreteShape,
@@ -61,7 +63,8 @@ impl<'a> Original<'a> {
                 }
                 parameters.voxelize.frame = None;
                 let moved = moved(mesh, &warp)?;
-                Deformed::of_solid(shape, &warp, Input::Volume(&moved).prepare(&parameters, NO_PROGRESS)?)
+                let prepared = Input::Volume(&moved).prepare(&parameters, NO_PROGRESS)?;
+                Deformed::of_solid(shape, |place| warp.apply(place), prepared)
             }
             Self::Surface(mesh) => {
                 let moved = moved(mesh, &warp)?;
@@ -69,7 +72,8 @@ impl<'a> Original<'a> {
             }
             Self::Solid(grid) => {
                 let solid = sampled(grid, &warp)?;
-                Deformed::of_solid(shape, &warp, Input::Solid(&solid).prepare(parameters, NO_PROGRESS)?)
+                let prepared = Input::Solid(&solid).prepare(parameters, NO_PROGRESS)?;
+                Deformed::of_solid(shape, |place| warp.origin_of(place), prepared)
             }
         }
     }
@@ -80,7 +84,7 @@ fn moved(mesh: &TriangleMesh, warp: &Warp) -> Result<TriangleMesh, Error> {
     Ok(TriangleMesh::new(vertices, mesh.triangles().to_vec())?)
 }
 
-/// The solid of all places that come from a voxel of another one.
+/// The solid of all places that are moved into a voxel of another one.
 fn sampled(grid: &VoxelGrid, warp: &Warp) -> Result<VoxelGrid, Error> {
     let frame = grid.frame();
     let margin = frame.spacing().map(|h| (warp.reach() / h).ceil() as u32 + 1);
@@ -88,7 +92,7 @@ fn sampled(grid: &VoxelGrid, warp: &Warp) -> Result<VoxelGrid, Error> {
     let affine = frame.affine();
     let wider = Frame::placed(dims, &affine.with_origin(affine.position(margin.map(|n| -f64::from(n)))))?;
     let is_inside = |voxel: [u32; 3]| {
-        let place = frame.locate(warp.origin_of(wider.centre(voxel)));
+        let place = frame.locate(warp.apply(wider.centre(voxel)));
         let in_box = (0..3).all(|a| place[a] >= 0.0 && place[a] < frame.dims()[a] as f64);
         in_box && grid.occupancy().get(place.map(|x| x as u32))
     };
@@ -117,14 +121,18 @@ impl Deformed {
     }
 
     /// Of a solid: each voxel is moved to the nearest voxel of the copy.
-    fn of_solid(shape: &DiscreteShape, warp: &Warp, prepared: Prepared) -> Result<Self, Error> {
+    fn of_solid(
+        shape: &DiscreteShape,
+        moved: impl Fn(Vec3) -> Vec3 + Sync,
+        prepared: Prepared,
+    ) -> Result<Self, Error> {
         let became = match prepared.shape.grid() {
             None => vec![None; shape.len()],
             Some(grid) => {
                 let nearest = grid.nearest();
                 let reach = REACH * grid.frame().spacing().into_iter().fold(0.0, f64::max);
                 let voxel =
-                    |&place: &[f64; 3]| nearest.voxel_within(warp.apply(place), reach).map(|found| found.0);
+                    |&place: &[f64; 3]| nearest.voxel_within(moved(place), reach).map(|found| found.0);
                 shape.positions().par_iter().map(voxel).collect()
             }
         };

@@ -47,7 +47,7 @@ impl Warp {
         })
     }
 
-    /// What comes to a place: the inverse, by ten steps of `p = place - u(p)`. Where the deformation is steep they don't
+    /// What is moved to a place: the inverse, by ten steps of `p = place - u(p)`. Where the deformation is steep they don't
     /// settle, and the result is near what comes there.
     pub fn origin_of(&self, place: Vec3) -> Vec3 {
         (0..10).fold(place, |origin, _| {

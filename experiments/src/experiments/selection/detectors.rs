@@ -26,10 +26,15 @@ pub fn all() -> Vec<Detector> {
     add("mode", "default", &|_| {});
     add("mode", "paper", &|p| p.stability.rule = StabilityRule::Paper);
     add("mode", "baseline", &|p| p.stability.rule = StabilityRule::Baseline);
-    for window in [0.05, 0.1, 0.3, 0.4] {
+    for window in [0.1, 0.2, 0.4, 0.6] {
         let title = format!("window {window}");
         add("window", &title, &|p| p.stability.window = window);
     }
+    for lifetime in [0.0, 0.05, 0.2] {
+        let title = format!("least lifetime {lifetime}");
+        add("parts", &title, &|p| p.stability.min_lifetime = Some(lifetime));
+    }
+    add("parts", "blunt borders too", &|p| p.stability.sharp_borders = false);
     add("weight", "commute time", &|p| p.weight = Weight::Commute);
     add("weight", "1/H(u,v) on links", &|p| p.weight = Weight::Edge);
     add("weight", "diffusion distance on links", &|p| p.weight = Weight::Diffusion);
@@ -68,7 +73,7 @@ pub fn all() -> Vec<Detector> {
     add("altitude", "linear altitude, window 0.2 of the root mean square", &|p| {
         p.stability.altitude = AltitudeScale::Linear;
     });
-    for overlap in [0.7, 0.9] {
+    for overlap in [0.7, 0.8] {
         let title = format!("duplicates from {overlap}");
         add("pooling", &title, &|p| p.pool.duplicate_overlap = overlap);
     }
