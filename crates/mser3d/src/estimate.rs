@@ -4,7 +4,7 @@ use mser3d_descriptors::TimeScale;
 use mser3d_shape::{Domain, TriangleMesh};
 use mser3d_spectral::Eigensolver;
 
-use crate::reliability::COARSER;
+use crate::reliability::{COARSER, occupied};
 use crate::{Descriptor, Input, Parameters, Weight};
 
 /// What a run will take, roughly.
@@ -113,7 +113,7 @@ impl Parameters {
         };
         let solid = match input {
             // The box around what is moved, which is wider; and the components in it.
-            Input::Solid(_) => 0.4e-6 * Solid::of(input, self, elements).in_box,
+            Input::Solid(grid) => 0.4e-6 * occupied(grid).1.iter().map(|&n| f64::from(n)).product::<f64>(),
             _ => Solid::of(input, self, elements).seconds,
         };
         // The nearest voxel of each.

@@ -88,8 +88,11 @@ fn moved(mesh: &TriangleMesh, warp: &Warp) -> Result<TriangleMesh, Error> {
 fn sampled(grid: &VoxelGrid, warp: &Warp) -> Result<VoxelGrid, Error> {
     let frame = grid.frame();
     let margin = frame.spacing().map(|h| (warp.reach() / h).ceil() as u32 + 1);
-    let dims = std::array::from_fn(|a| frame.dims()[a] + 2 * margin[a] as usize);
-    let affine = frame.affine();
+    // Of a label map only the box around the label.
+    let (low, extent) = occupied(grid);
+    let dims = extent.map(|n| n as usize);
+    let affine = frame.part(low, dims).affine();
+    let dims = std::array::from_fn(|a| dims[a] + 2 * margin[a] as usize);
     let wider = Frame::placed(dims, &affine.with_origin(affine.position(margin.map(|n| -f64::from(n)))))?;
     let is_inside = |voxel: [u32; 3]| {
         let place = frame.locate(warp.apply(wider.centre(voxel)));
@@ -104,6 +107,14 @@ fn sampled(grid: &VoxelGrid, warp: &Warp) -> Result<VoxelGrid, Error> {
     let mut occupancy = BitGrid::empty(dims)?;
     layers.into_iter().flatten().for_each(|voxel| occupancy.set(voxel, true));
     Ok(VoxelGrid::solid(wider, occupancy)?)
+}
+
+/// The box of the voxels that are inside: its first one, and how many there are along each axis.
+pub(crate) fn occupied(grid: &VoxelGrid) -> ([u32; 3], [u32; 3]) {
+    let (low, high) = grid.voxels().fold(([u32::MAX; 3], [0; 3]), |(low, high), voxel| {
+        (std::array::from_fn(|a| voxel[a].min(low[a])), std::array::from_fn(|a| voxel[a].max(high[a])))
+    });
+    if grid.is_empty() { ([0; 3], [0; 3]) } else { (low, std::array::from_fn(|a| high[a] - low[a] + 1)) }
 }
 
 impl Deformed {

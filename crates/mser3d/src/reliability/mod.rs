@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use crate::progress::{Progress, ProgressFn, Stage, report};
 use crate::regions::find_regions_with;
 use crate::{Body, DiscreteShape, Error, Input, Parameters, Region, RegionSet, Weight};
-pub(crate) use deformed::COARSER;
+pub(crate) use deformed::{COARSER, occupied};
 use deformed::{Deformed, Original};
 
 /// How the reliability of regions is measured, and which of them are kept.
