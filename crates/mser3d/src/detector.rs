@@ -5,7 +5,7 @@ use crate::features::{Found, FoundOnBody};
 use crate::input::Prepared;
 use crate::progress::{NO_PROGRESS, Progress, ProgressFn, Stage, report};
 use crate::regions::find_regions_with;
-use crate::reliability;
+use crate::reliability::{self, Original};
 use crate::run_report::Clock;
 use crate::{
     Body, DiscreteShape, Error, Features, Field, Input, Parameters, RegionSet, Warning, Weight, partition,
@@ -102,12 +102,12 @@ impl<'a> Detector<'a> {
         if let Input::Volume(_) = input {
             report(*progress, Stage::Voxelize, 0, 1)?;
         }
+        let original = Original::of(&input);
         let mesh = match input {
             Input::Volume(mesh) => Some(mesh),
             _ => None,
         };
-        let Prepared { shape, bodies, voxelization, mut warnings } =
-            input.clone().prepare(parameters, *progress)?;
+        let Prepared { shape, bodies, voxelization, mut warnings } = input.prepare(parameters, *progress)?;
         if parameters.weight == Weight::Curvature && shape.mesh().is_none() {
             return Err(Error::NoMesh);
         }
@@ -161,12 +161,12 @@ impl<'a> Detector<'a> {
         let duplicates: usize = sets.iter().map(|set| set.duplicates).sum();
         tracing::info!(regions = count(&sets), trees, duplicates, seconds, "found regions");
 
-        let copies = parameters.copies(&input);
-        if copies > 0 {
-            reliability::measure(&input, &shape, &searched, &mut sets, parameters, copies, *progress)?;
+        let copies = original.map_or(0, |original| parameters.copies_of(original, shape.len()));
+        if let (Some(original), 1..) = (original, copies) {
+            reliability::measure(original, &shape, &searched, &mut sets, parameters, copies, *progress)?;
             let seconds = clock.lap(Stage::Reliability);
             tracing::info!(copies, regions = count(&sets), seconds, "measured reliability");
-        } else if parameters.reliability.deformations.is_none() && !matches!(input, Input::Shape(_)) {
+        } else if original.is_some() && parameters.reliability.deformations != Some(0) {
             warnings.push(Warning::Unmeasured { of_field: parameters.weight == Weight::Field });
         }
 

@@ -4,7 +4,7 @@ use mser3d_descriptors::TimeScale;
 use mser3d_shape::{Domain, TriangleMesh};
 use mser3d_spectral::Eigensolver;
 
-use crate::reliability::{COARSER, occupied};
+use crate::reliability::{COARSER, Original, occupied};
 use crate::{Descriptor, Input, Parameters, Weight};
 
 /// What a run will take, roughly.
@@ -81,9 +81,9 @@ impl Parameters {
             voxelize: solid.seconds,
             spectrum: spectrum.seconds,
             regions: links * trees as f64 * elements * (160e-9 + 0.4e-9 * k) + weight.seconds,
-            reliability: match self.copies(input) {
-                0 => 0.0,
-                copies => copies as f64 * self.seconds_of_copy(input),
+            reliability: match Original::of(input).map(|original| self.copies_of(original, n)) {
+                None | Some(0) => 0.0,
+                Some(copies) => copies as f64 * self.seconds_of_copy(input, n),
             },
             descriptors: elements * samples as f64 * (1.8e-9 + 0.035e-9 * k),
         };
@@ -99,8 +99,8 @@ impl Parameters {
     }
 
     /// Seconds of work on one core that a deformed copy takes: [`ReliabilityParameters`](crate::ReliabilityParameters).
-    pub(crate) fn seconds_of_copy(&self, input: &Input) -> f64 {
-        let elements = input.expected_elements(self) as f64;
+    pub(crate) fn seconds_of_copy(&self, input: &Input, elements: usize) -> f64 {
+        let elements = elements as f64;
         let all = self.spectrum.eigenpairs.about(input.domain()) as f64;
         let k = if self.weight.has_time_scale() { all.min(COPY_EIGENPAIRS) } else { all };
         let trees = if self.weight.has_time_scale() { self.time_scales.len() } else { 1 } as f64;

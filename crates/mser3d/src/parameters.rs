@@ -177,6 +177,13 @@ impl Parameters {
                 ),
             )?;
         }
+        let least = self.reliability.min_reliability;
+        InvalidParameter::unless(
+            self.weight != Weight::Field || least.is_none(),
+            "min_reliability",
+            least.unwrap_or_default(),
+            "none with a field of values as the weight, of which no deformed copy is known",
+        )?;
         let measure = self.reference_measure.unwrap_or(1.0);
         let good = measure.is_finite() && measure > 0.0;
         InvalidParameter::unless(good, "reference_measure", measure, "a positive volume or area")?;

@@ -30,8 +30,7 @@ pub struct Region {
     pub stability: f64,
     /// How long its part stays on its own, in altitude (as for stability), smaller parts that join it included.
     pub persistence: f64,
-    /// The real merge that ends it, if it is the last component before one. Its lifetime is the score to
-    /// rank regions by: those that last longest are found again most surely. Regions without a merge rank last.
+    /// The real merge that ends it, if it is the last component before one.
     pub merge: Option<Merge>,
     /// How surely it is found again when the body moves: the chance of an overlap of 0.8 on another pose, 0 to 1, as
     /// measured on deformed copies of the shape ([`ReliabilityParameters`](crate::ReliabilityParameters)). None where it

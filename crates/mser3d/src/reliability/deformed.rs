@@ -5,12 +5,12 @@ use rayon::prelude::*;
 
 use super::warp::Warp;
 use crate::input::Prepared;
-use crate::progress::NO_PROGRESS;
+use crate::progress::ProgressFn;
 use crate::{DiscreteShape, Error, Input, Parameters};
 
 /// What is deformed: the mesh or the mask that a shape was made of.
 #[derive(Clone, Copy)]
-pub(super) enum Original<'a> {
+pub(crate) enum Original<'a> {
     Volume(&'a TriangleMesh),
     Surface(&'a TriangleMesh),
     Solid(&'a VoxelGrid),
@@ -42,15 +42,25 @@ impl<'a> Original<'a> {
         }
     }
 
-    /// The copy that a deformation makes. A mesh is moved, and its solid divided into voxels of the same size. A mask is
+    /// The same as an input.
+    pub fn input(self) -> Input<'a> {
+        match self {
+            Self::Volume(mesh) => Input::Volume(mesh),
+            Self::Surface(mesh) => Input::Surface(mesh),
+            Self::Solid(grid) => Input::Solid(grid),
+        }
+    }
+
+    /// The copy that a deformation makes. A mesh is moved, and its solid divided into somewhat larger voxels. A mask is
     /// sampled anew on the same grid made wider: a voxel is in the copy if its centre is moved into the original. So a mask is
     /// deformed by the inverse, which is as random.
-    pub fn deform(
+    pub(super) fn deform(
         self,
         shape: &DiscreteShape,
         parameters: &Parameters,
         amplitude: f64,
         number: u64,
+        progress: ProgressFn,
     ) -> Result<Deformed, Error> {
         let bounds = BoundingBox::around(shape.positions().iter().copied())
             .unwrap_or(BoundingBox { min: [0.0; 3], max: [0.0; 3] });
@@ -63,16 +73,16 @@ impl<'a> Original<'a> {
                 }
                 parameters.voxelize.frame = None;
                 let moved = moved(mesh, &warp)?;
-                let prepared = Input::Volume(&moved).prepare(&parameters, NO_PROGRESS)?;
+                let prepared = Input::Volume(&moved).prepare(&parameters, progress)?;
                 Deformed::of_solid(shape, |place| warp.apply(place), prepared)
             }
             Self::Surface(mesh) => {
                 let moved = moved(mesh, &warp)?;
-                Deformed::of_surface(mesh, shape, Input::Surface(&moved).prepare(parameters, NO_PROGRESS)?)
+                Deformed::of_surface(mesh, shape, Input::Surface(&moved).prepare(parameters, progress)?)
             }
             Self::Solid(grid) => {
                 let solid = sampled(grid, &warp)?;
-                let prepared = Input::Solid(&solid).prepare(parameters, NO_PROGRESS)?;
+                let prepared = Input::Solid(&solid).prepare(parameters, progress)?;
                 Deformed::of_solid(shape, |place| warp.origin_of(place), prepared)
             }
         }

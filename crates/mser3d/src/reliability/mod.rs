@@ -11,8 +11,8 @@ use rayon::prelude::*;
 use crate::progress::{Progress, ProgressFn, Stage, report};
 use crate::regions::find_regions_with;
 use crate::{Body, DiscreteShape, Error, Input, Parameters, Region, RegionSet, Weight};
-pub(crate) use deformed::{COARSER, occupied};
-use deformed::{Deformed, Original};
+use deformed::Deformed;
+pub(crate) use deformed::{COARSER, Original, occupied};
 
 /// How the reliability of regions is measured, and which of them are kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,19 +65,30 @@ const COPIES: [usize; 2] = [6, 3];
 const BUDGET: f64 = 10.0;
 
 impl Parameters {
-    /// How many deformed copies of an input are searched: as many as the parameters say. If they don't, 6, or as few as 3
-    /// where they would take longer than 10 seconds of one core by [`Parameters::estimate`], or none where 3 would. None of a
-    /// shape that was made before, or for a weight that is a field, as their copies are not known.
+    /// How many deformed copies of an input are searched: as many as the parameters say. If they don't, 6; or as few as 3
+    /// where they would take longer than 10 seconds of one core by [`Parameters::estimate`], or none where 3 would, unless a
+    /// least reliability is asked for. None of a shape that was made before, or for a weight that is a field, as their
+    /// copies are not known.
     pub fn copies(&self, input: &Input) -> usize {
-        if self.weight == Weight::Field || Original::of(input).is_none() {
-            return 0;
+        match Original::of(input) {
+            Some(original) => self.copies_of(original, input.expected_elements(self)),
+            None => 0,
         }
+    }
+
+    /// The same of an input of so many elements.
+    pub(crate) fn copies_of(&self, original: Original, elements: usize) -> usize {
         let [most, fewest] = COPIES;
-        let affordable = || (BUDGET / self.seconds_of_copy(input)) as usize;
-        self.reliability.deformations.unwrap_or_else(|| match affordable().min(most) {
-            few if few < fewest => 0,
-            enough => enough,
-        })
+        let ReliabilityParameters { deformations, min_reliability, .. } = self.reliability;
+        match (self.weight, deformations, min_reliability) {
+            (Weight::Field, ..) => 0,
+            (_, Some(copies), _) => copies,
+            (_, None, Some(_)) => most,
+            (_, None, None) => {
+                let affordable = (BUDGET / self.seconds_of_copy(&original.input(), elements)) as usize;
+                if affordable < fewest { 0 } else { affordable.min(most) }
+            }
+        }
     }
 }
 
@@ -105,7 +116,7 @@ fn chance(overlap: f64) -> f64 {
 /// The shape is deformed at random and searched again, `total` times, with the eigenpairs that its times need. `sets` holds
 /// the regions of each body, with the elements numbered as in the body.
 pub(crate) fn measure(
-    input: &Input,
+    original: Original,
     shape: &DiscreteShape,
     bodies: &[Body],
     sets: &mut [RegionSet],
@@ -114,7 +125,6 @@ pub(crate) fn measure(
     progress: ProgressFn,
 ) -> Result<(), Error> {
     let own = &parameters.reliability;
-    let Some(original) = Original::of(input).filter(|_| total > 0) else { return Ok(()) };
     report(progress, Stage::Reliability, 0, total)?;
     let elements: Vec<Vec<u32>> = sets
         .iter()
@@ -128,7 +138,13 @@ pub(crate) fn measure(
     let goes_on = |_: Progress| progress(Progress { stage: Stage::Reliability, done: *lock(&done), total });
     let search = |number: u64| -> Result<Vec<f64>, Error> {
         let overlaps = original
-            .deform(shape, parameters, own.amplitude, own.seed.wrapping_mul(1 << 20).wrapping_add(number))
+            .deform(
+                shape,
+                parameters,
+                own.amplitude,
+                own.seed.wrapping_mul(1 << 20).wrapping_add(number),
+                &goes_on,
+            )
             .and_then(|copy| overlaps(&copy, &members, &spectra, parameters, &goes_on));
         let mut done = lock(&done);
         *done += 1;

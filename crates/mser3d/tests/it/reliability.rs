@@ -2,7 +2,7 @@
 use mser3d::shape::{BitGrid, Frame, TriangleMesh, VoxelGrid};
 use mser3d::spectral::EigenpairRange;
 use mser3d::voxelize::Pitch;
-use mser3d::{Detector, Error, Features, Input, Parameters};
+use mser3d::{Detector, Error, Features, Input, Parameters, Weight};
 
 use crate::{club, parameters};
 
@@ -102,10 +102,17 @@ fn copies_that_would_take_long_are_not_searched_unless_asked_for() {
     assert_eq!(parameters.copies(&Input::Volume(&mesh)), 0);
     let stages = |parameters: &Parameters| parameters.estimate(&Input::Volume(&mesh)).stages;
     assert_eq!(stages(&parameters).reliability, 0.0);
+    parameters.reliability.min_reliability = Some(0.9);
+    assert_eq!(parameters.copies(&Input::Volume(&mesh)), 6, "a least reliability has to be measured");
     parameters.reliability.deformations = Some(2);
     assert_eq!(parameters.copies(&Input::Volume(&mesh)), 2);
     assert!(stages(&parameters).reliability > 5.0);
     // What a shape was made of is not known afterwards.
     let features = detect(&with_copies(2), Input::Volume(&mesh));
     assert_eq!(parameters.copies(&Input::Shape(Box::new(features.shape))), 0);
+    // Nor is a field on copies, so no least reliability can be asked for.
+    parameters.weight = Weight::Field;
+    assert_eq!(parameters.copies(&Input::Volume(&mesh)), 0);
+    let error = parameters.validate().unwrap_err().to_string();
+    assert!(error.contains("min_reliability is 0.9") && error.contains("field"), "{error}");
 }
