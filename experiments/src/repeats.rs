@@ -16,6 +16,8 @@ pub struct Found {
 /// By what regions are ranked.
 #[derive(Clone, Copy)]
 pub enum Score {
+    /// Parts that a real merge ends come first; of them, and of the others, the larger.
+    Merged,
     /// How long a part lasts before a real merge.
     Lifetime,
     Stability,
@@ -29,7 +31,7 @@ impl Score {
         match rule {
             StabilityRule::Paper => Self::Stability,
             StabilityRule::Baseline => Self::Volume,
-            StabilityRule::Windowed => Self::Lifetime,
+            StabilityRule::Windowed => Self::Merged,
         }
     }
 }
@@ -37,6 +39,7 @@ impl Score {
 /// The places of the `count` best regions. Where a score says nothing, the larger region is better.
 pub fn best(regions: &[Region], score: Score, count: usize) -> Vec<usize> {
     let value = |region: &Region| match score {
+        Score::Merged => f64::from(region.merge.is_some()),
         Score::Lifetime => region.merge.map_or(f64::NAN, |merge| merge.lifetime),
         Score::Stability => region.stability,
         Score::Persistence => region.persistence,

@@ -74,17 +74,15 @@ impl Features {
     }
 
     /// The places of the regions in [`regions`](Self::regions), the most reliable first. Where reliability was not
-    /// measured, those that a real merge ends come first, the longest lifetime first, then the others by volume.
+    /// measured, those that a real merge ends come first, then the others, each the largest first.
     pub fn ranked(&self) -> Vec<usize> {
-        let rank = |region: &Region| {
-            let lifetime = region.merge.map_or(f64::NEG_INFINITY, |merge| merge.lifetime);
-            (region.reliability.unwrap_or(0.0), lifetime)
+        let rank = |&place: &usize| {
+            let region = &self.regions[place];
+            region.reliability.unwrap_or(f64::from(u8::from(region.merge.is_some())))
         };
         let mut order: Vec<usize> = (0..self.regions.len()).collect();
-        order.sort_by(|&a, &b| {
-            let (a, b) = (rank(&self.regions[a]), rank(&self.regions[b]));
-            b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1))
-        });
+        // The sort keeps the order of equal ones, which is that of volumes.
+        order.sort_by(|a, b| rank(b).total_cmp(&rank(a)));
         order
     }
 

@@ -82,9 +82,9 @@ pub struct Parameters {
     pub smooth_weight: Option<TimeScale>,
     /// Which way the tree grows. Default: none, the weight's own [`Weight::polarity`]; of a field of vectors sublevel.
     pub polarity: Option<Polarity>,
-    /// One tree for each time scale. Default: 0.25 and 2, relative to the shape's size. They are far apart on
-    /// purpose: a region changes gradually with time, so scales in between add near repetitions, and on
-    /// each shape another one of them would be kept.
+    /// One tree for each time scale. Default: 0.25, 0.5, 1 and 2, relative to the shape's size. A part that one of them
+    /// misses in some pose is mostly there in the next, and what several of them have is pooled. More scales, or scales
+    /// farther apart, find no more that repeats: `cargo xtask selection`.
     pub time_scales: Vec<TimeScale>,
     /// The volume (or area) that relative time scales and descriptors refer to, in length^3 (or
     /// length^2). Give all poses of a body the measure of one of them. Default: none, each its own.
@@ -114,7 +114,7 @@ impl Default for Parameters {
             weight: Weight::default(),
             smooth_weight: None,
             polarity: None,
-            time_scales: [0.25, 2.0].map(TimeScale::Relative).to_vec(),
+            time_scales: [0.25, 0.5, 1.0, 2.0].map(TimeScale::Relative).to_vec(),
             reference_measure: None,
             stability: StabilityParameters::default(),
             pool: PoolParameters::default(),

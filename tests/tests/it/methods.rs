@@ -49,7 +49,8 @@ fn every_weight_finds_both_arms_in_the_volume_and_on_the_surface() {
             let domain = input.domain();
             let features = features(input, &parameters);
             assert_consistent(&features);
-            assert_eq!(features.trees.len(), if weight.has_time_scale() { 2 } else { 1 });
+            let trees = if weight.has_time_scale() { parameters.time_scales.len() } else { 1 };
+            assert_eq!(features.trees.len(), trees);
             let [right, left] = reach(&features);
             assert!(features.regions.len() >= 7, "{weight:?} {domain:?}: {}", features.regions.len());
             assert!(right < -0.3 && left > 0.3, "{weight:?} {domain:?}: {right} {left}");

@@ -64,7 +64,7 @@ pub struct StabilityParameters {
     /// How stability is measured. Default: windowed.
     pub rule: StabilityRule,
     /// Half the width of the window of [`StabilityRule::Windowed`], in units of the altitude on its scale
-    /// (for [`AltitudeScale::Log`] a factor of e^window). The other rules have no window. Default 0.3;
+    /// (for [`AltitudeScale::Log`] a factor of e^window). The other rules have no window. Default 0.25;
     /// 0.1 finds more and finer regions.
     pub window: f64,
     /// Least lifetime of a part, in units of the altitude on its scale; only in [`StabilityRule::Windowed`]. Default:
@@ -93,7 +93,7 @@ impl Default for StabilityParameters {
     fn default() -> Self {
         Self {
             rule: StabilityRule::Windowed,
-            window: 0.3,
+            window: 0.25,
             min_lifetime: None,
             sharp_borders: true,
             altitude: AltitudeScale::Log,

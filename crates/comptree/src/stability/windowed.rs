@@ -10,13 +10,14 @@ use super::region::{Candidate, Merge};
 /// Instabilities that differ by less than this fraction tie: the width of a window is rounded.
 const TIE: f64 = 1e-12;
 
-/// The stability, over log altitude, of the corner of a solid under the heat kernel. A region that a merge ends must
-/// exceed it.
+/// The stability, over log altitude, of the sharpest corner of a solid without parts under the heat kernel. A region that
+/// a merge ends must exceed it.
 ///
 /// In each direction normal to a face the kernel is that of a half-line, (1 + exp(-x^2/t)) / sqrt(4 pi t) at a distance of
-/// x. Along a line `s = x dl/dx = 2u / (e^u + 1)` with u = x^2/t, which is at most 0.557. In a corner, where three such
-/// functions are multiplied and the volume grows with x^3, it is a third of that. Voxels and the window move it by a tenth.
-const CORNER: f64 = 0.2;
+/// x. Along a line `s = x dl/dx = 2u / (e^u + 1)` with u = x^2/t, which is at most 0.557. In a corner of a plate two such
+/// functions are multiplied and the volume grows with x^2, so it is a half of that, 0.279; in one of a cube a third. Voxels
+/// and the window move it by a tenth.
+const CORNER: f64 = 0.31;
 
 /// The same of the end of a rod, which heat leaves in one direction only. A region without a border of its own must exceed
 /// it: one that no merge ends, or that ends where it meets copies of itself, as one half of a cylinder meets the other.

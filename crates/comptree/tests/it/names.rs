@@ -24,7 +24,7 @@ fn parameters_and_reports_come_back_from_json() {
     let json = serde_json::to_value(parameters).unwrap();
     assert_eq!(
         (&json["rule"], &json["altitude"], &json["window"]),
-        (&"paper".into(), &"log".into(), &0.3.into())
+        (&"paper".into(), &"log".into(), &0.25.into())
     );
     assert_eq!(serde_json::from_value::<StabilityParameters>(json).unwrap(), parameters);
 

@@ -77,7 +77,7 @@ fn a_volume_writes_four_files_that_agree() {
     assert_eq!(report["input"]["diagnosis"]["closed"], true);
     assert_eq!(report["parameters"]["spectrum"]["eigenpairs"]["count"], 40);
     assert_eq!(report["parameters"]["voxelize"]["pitch"]["voxels"], 4000);
-    assert_eq!(report["parameters"]["stability"]["window"], 0.3);
+    assert_eq!(report["parameters"]["stability"]["window"], 0.25);
     assert!(report["warnings"].is_array());
     let stages: Vec<&str> =
         list(&report["run"], "stages").iter().map(|s| s["stage"].as_str().unwrap()).collect();

@@ -28,8 +28,9 @@ const LASTS: f64 = 1.0;
 /// The share of a body from which a component is all of it.
 const ALL: f64 = 0.95;
 
-/// From how many times a border on a cross-section is much wider.
-const WIDER: f64 = 1.5;
+/// From how many times a border on a cross-section is much wider. Where heat is nearly the same everywhere, a level has steps,
+/// and its border is up to 1.6 times the cross-section of a rod.
+const WIDER: f64 = 2.0;
 
 /// The times at which candidates are compared.
 const TWIN_TIMES: [f64; 6] = [0.05, 0.1, 0.2, 0.5, 1.0, 2.0];

@@ -16,13 +16,20 @@ pub(crate) enum Original<'a> {
     Solid(&'a VoxelGrid),
 }
 
-/// A deformed copy of a shape, and where the original's elements are in it.
+/// A deformed copy of a shape, and what overlaps with its regions are measured on.
 pub(super) struct Deformed {
     pub prepared: Prepared,
-    /// The element of the copy that each element of the original became, as far as there is one.
-    became: Vec<Option<u32>>,
-    /// The measure of each element of the original.
-    measures: Vec<f64>,
+    /// The area at each vertex of the mesh, which both have. None of a mask.
+    areas: Option<Vec<f64>>,
+    /// The voxel of the copy that each voxel of the original became, as far as there is one: for a mask, and for regions
+    /// with few vertices.
+    became: Option<Vec<Option<u32>>>,
+}
+
+/// Where a region is: its elements, and the vertices of the mesh.
+pub(super) struct Place {
+    pub elements: Vec<u32>,
+    pub vertices: Vec<u32>,
 }
 
 /// How many times longer the voxels of a copy are: 0.58 of the voxels, in less than half of the time.
@@ -30,6 +37,16 @@ pub(crate) const COARSER: f64 = 1.2;
 
 /// How far, in voxels, an element may be from the voxel that it became.
 const REACH: f64 = 2.0;
+
+/// Fewest vertices on which an overlap is measured: it is then known to a tenth.
+const FEWEST_VERTICES: usize = 10;
+
+impl Place {
+    /// Whether overlaps with it can be measured on the mesh's vertices.
+    fn is_on_vertices(&self) -> bool {
+        self.vertices.len() >= FEWEST_VERTICES
+    }
+}
 
 impl<'a> Original<'a> {
     /// Nothing where the input is a shape that was made before: what it was made of is not known.
@@ -51,12 +68,13 @@ impl<'a> Original<'a> {
         }
     }
 
-    /// The copy that a deformation makes. A mesh is moved, and its solid divided into somewhat larger voxels. A mask is
-    /// sampled anew on the same grid made wider: a voxel is in the copy if its centre is moved into the original. So a mask is
-    /// deformed by the inverse, which is as random.
+    /// The copy that a deformation makes, to be searched for these regions of the original. A mesh is moved, and its solid
+    /// divided into somewhat larger voxels. A mask is sampled anew on the same grid made wider: a voxel is in the copy if its
+    /// centre is moved into the original. So a mask is deformed by the inverse, which is as random.
     pub(super) fn deform(
         self,
         shape: &DiscreteShape,
+        regions: &[Place],
         parameters: &Parameters,
         amplitude: f64,
         number: u64,
@@ -74,16 +92,20 @@ impl<'a> Original<'a> {
                 parameters.voxelize.frame = None;
                 let moved = moved(mesh, &warp)?;
                 let prepared = Input::Volume(&moved).prepare(&parameters, progress)?;
-                Deformed::of_solid(shape, |place| warp.apply(place), prepared)
+                let coarse = !regions.iter().all(Place::is_on_vertices);
+                let became = coarse.then(|| voxels_of(shape, |place| warp.apply(place), &prepared.shape));
+                Ok(Deformed { prepared, areas: Some(mesh.vertex_areas()), became })
             }
             Self::Surface(mesh) => {
                 let moved = moved(mesh, &warp)?;
-                Deformed::of_surface(mesh, shape, Input::Surface(&moved).prepare(parameters, progress)?)
+                let prepared = Input::Surface(&moved).prepare(parameters, progress)?;
+                Ok(Deformed { prepared, areas: Some(mesh.vertex_areas()), became: None })
             }
             Self::Solid(grid) => {
                 let solid = sampled(grid, &warp)?;
                 let prepared = Input::Solid(&solid).prepare(parameters, progress)?;
-                Deformed::of_solid(shape, |place| warp.origin_of(place), prepared)
+                let became = voxels_of(shape, |place| warp.origin_of(place), &prepared.shape);
+                Ok(Deformed { prepared, areas: None, became: Some(became) })
             }
         }
     }
@@ -127,52 +149,50 @@ pub(crate) fn occupied(grid: &VoxelGrid) -> ([u32; 3], [u32; 3]) {
     if grid.is_empty() { ([0; 3], [0; 3]) } else { (low, std::array::from_fn(|a| high[a] - low[a] + 1)) }
 }
 
+/// The voxel of a copy that each voxel of the original became: the nearest one to where it is moved.
+fn voxels_of(
+    original: &DiscreteShape,
+    moved: impl Fn(Vec3) -> Vec3 + Sync,
+    copy: &DiscreteShape,
+) -> Vec<Option<u32>> {
+    let Some(grid) = copy.grid() else { return vec![None; original.len()] };
+    let nearest = grid.nearest();
+    let reach = REACH * grid.frame().spacing().into_iter().fold(0.0, f64::max);
+    let voxel = |&place: &[f64; 3]| nearest.voxel_within(moved(place), reach).map(|found| found.0);
+    original.positions().par_iter().map(voxel).collect()
+}
+
 impl Deformed {
-    /// Of a surface: vertex by vertex.
-    fn of_surface(mesh: &TriangleMesh, shape: &DiscreteShape, prepared: Prepared) -> Result<Self, Error> {
-        let (mut became, mut measures) = (vec![None; shape.len()], vec![0.0; shape.len()]);
-        let copy = prepared.shape.element_of_vertex();
-        for ((own, other), area) in shape.element_of_vertex().iter().zip(copy).zip(mesh.vertex_areas()) {
-            if let Some(own) = own {
-                became[*own as usize] = became[*own as usize].or(*other);
-                measures[*own as usize] += area;
-            }
-        }
-        Ok(Self { prepared, became, measures })
-    }
-
-    /// Of a solid: each voxel is moved to the nearest voxel of the copy.
-    fn of_solid(
-        shape: &DiscreteShape,
-        moved: impl Fn(Vec3) -> Vec3 + Sync,
-        prepared: Prepared,
-    ) -> Result<Self, Error> {
-        let became = match prepared.shape.grid() {
-            None => vec![None; shape.len()],
-            Some(grid) => {
-                let nearest = grid.nearest();
-                let reach = REACH * grid.frame().spacing().into_iter().fold(0.0, f64::max);
-                let voxel =
-                    |&place: &[f64; 3]| nearest.voxel_within(moved(place), reach).map(|found| found.0);
-                shape.positions().par_iter().map(voxel).collect()
-            }
-        };
-        Ok(Self { prepared, became, measures: vec![1.0; shape.len()] })
-    }
-
     /// For each region of the original its best overlap with one of the copy, both seen on the original: the measure of
-    /// what both have over that of what either has.
-    pub fn best_overlaps(&self, original: &[&[u32]], copy: &[Vec<u32>]) -> Result<Vec<f64>, Error> {
-        let (n, elements) = (self.became.len(), self.prepared.shape.len());
-        let on_original = |region: &Vec<u32>| -> Result<IndexSet, Error> {
-            let region = IndexSet::from_members(elements, region.iter().copied())?;
-            Ok(IndexSet::from_fn(n, |e| self.became[e].is_some_and(|to| region.contains(to as usize))))
+    /// what both have over that of what either has. Of a mesh it is by the area at its vertices, as in section 6; of a mask,
+    /// and of regions with few vertices, by voxels.
+    pub fn best_overlaps(&self, original: &[Place], copy: &[Place]) -> Result<Vec<f64>, Error> {
+        let on_vertices = |vertices: usize, place: &Place| -> Result<IndexSet, Error> {
+            Ok(IndexSet::from_members(vertices, place.vertices.iter().copied())?)
         };
-        let copies = copy.iter().map(on_original).collect::<Result<Vec<_>, _>>()?;
-        let best = |region: &&[u32]| {
-            let region = IndexSet::from_members(n, region.iter().copied())?;
-            let overlaps = copies.iter().map(|other| region.overlap(other, &self.measures));
-            Ok(overlaps.fold(0.0, f64::max))
+        let on_voxels = |became: &[Option<u32>], place: &Place| -> Result<IndexSet, Error> {
+            let there = IndexSet::from_members(self.prepared.shape.len(), place.elements.iter().copied())?;
+            Ok(IndexSet::from_fn(became.len(), |e| became[e].is_some_and(|to| there.contains(to as usize))))
+        };
+        let sets =
+            |of: &dyn Fn(&Place) -> Result<IndexSet, Error>| copy.iter().map(of).collect::<Result<_, _>>();
+        let by_vertices: Vec<IndexSet> = match &self.areas {
+            Some(areas) => sets(&|place| on_vertices(areas.len(), place))?,
+            None => Vec::new(),
+        };
+        let by_voxels: Vec<IndexSet> = match &self.became {
+            Some(became) => sets(&|place| on_voxels(became, place))?,
+            None => Vec::new(),
+        };
+        let ones = vec![1.0; self.became.as_ref().map_or(0, Vec::len)];
+        let best = |place: &Place| {
+            let (region, others, measures) = match &self.areas {
+                Some(areas) if place.is_on_vertices() || self.became.is_none() => {
+                    (on_vertices(areas.len(), place)?, &by_vertices, areas)
+                }
+                _ => (IndexSet::from_members(ones.len(), place.elements.iter().copied())?, &by_voxels, &ones),
+            };
+            Ok(others.iter().map(|other| region.overlap(other, measures)).fold(0.0, f64::max))
         };
         original.par_iter().map(best).collect()
     }

@@ -11,8 +11,8 @@ use rayon::prelude::*;
 use crate::progress::{Progress, ProgressFn, Stage, report};
 use crate::regions::find_regions_with;
 use crate::{Body, DiscreteShape, Error, Input, Parameters, Region, RegionSet, Weight};
-use deformed::Deformed;
 pub(crate) use deformed::{COARSER, Original, occupied};
+use deformed::{Deformed, Place};
 
 /// How the reliability of regions is measured, and which of them are kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,8 +104,8 @@ const TOLERANCE: f64 = 1e-3;
 /// Logistic regression on all ordered pairs of poses of six sets, each set of the same weight: `cargo xtask reliability`
 /// says how well it fits. Whether a merge ends the region, its lifetime and its stability were tried beside x: left out one
 /// set at a time, they predict worse.
-const BIAS: f64 = -0.79;
-const OVERLAP: f64 = 5.12;
+const BIAS: f64 = -0.8;
+const OVERLAP: f64 = 5.5;
 
 fn chance(overlap: f64) -> f64 {
     1.0 / (1.0 + (-(BIAS + OVERLAP * overlap)).exp())
@@ -126,12 +126,11 @@ pub(crate) fn measure(
 ) -> Result<(), Error> {
     let own = &parameters.reliability;
     report(progress, Stage::Reliability, 0, total)?;
-    let elements: Vec<Vec<u32>> = sets
+    let regions: Vec<Place> = sets
         .iter()
         .zip(bodies)
-        .flat_map(|(set, body)| set.regions.iter().map(|r| in_shape(&r.elements, &body.elements)))
+        .flat_map(|(set, body)| set.regions.iter().map(|region| place(region, &body.elements)))
         .collect();
-    let members: Vec<&[u32]> = elements.iter().map(Vec::as_slice).collect();
     let spectra: Vec<SpectrumParameters> = bodies.iter().map(|body| spectrum(body, parameters)).collect();
     let done = Mutex::new(0);
     // As far as it was told before, whatever the stage within a copy.
@@ -140,23 +139,24 @@ pub(crate) fn measure(
         let overlaps = original
             .deform(
                 shape,
+                &regions,
                 parameters,
                 own.amplitude,
                 own.seed.wrapping_mul(1 << 20).wrapping_add(number),
                 &goes_on,
             )
-            .and_then(|copy| overlaps(&copy, &members, &spectra, parameters, &goes_on));
+            .and_then(|copy| overlaps(&copy, &regions, &spectra, parameters, &goes_on));
         let mut done = lock(&done);
         *done += 1;
         report(progress, Stage::Reliability, *done, total)?;
         // In a copy without a solid nothing is found again.
         match overlaps {
             Err(Error::Cancelled) => Err(Error::Cancelled),
-            other => Ok(other.unwrap_or_else(|_| vec![0.0; members.len()])),
+            other => Ok(other.unwrap_or_else(|_| vec![0.0; regions.len()])),
         }
     };
     let found: Vec<Vec<f64>> = (0..total as u64).into_par_iter().map(search).collect::<Result<_, Error>>()?;
-    let mut mean = (0..members.len()).map(|i| found.iter().map(|f| f[i]).sum::<f64>() / total as f64);
+    let mut mean = (0..regions.len()).map(|i| found.iter().map(|f| f[i]).sum::<f64>() / total as f64);
     for set in sets {
         for region in &mut set.regions {
             region.reliability = mean.next().map(chance);
@@ -172,9 +172,10 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
 }
 
-/// Elements of a body as elements of the shape.
-fn in_shape(elements: &[u32], body: &[u32]) -> Vec<u32> {
-    elements.iter().map(|&e| body[e as usize]).collect()
+/// Where a region of a body is in the shape.
+fn place(region: &Region, body: &[u32]) -> Place {
+    let elements = region.elements.iter().map(|&e| body[e as usize]).collect();
+    Place { elements, vertices: region.vertices.clone() }
 }
 
 /// The eigenpairs that a copy of a body needs: where every weight has a time, those that matter at the shortest.
@@ -203,7 +204,7 @@ fn spectrum(body: &Body, parameters: &Parameters) -> SpectrumParameters {
 /// The best overlap of each region with one of the copy.
 fn overlaps(
     copy: &Deformed,
-    regions: &[&[u32]],
+    regions: &[Place],
     spectra: &[SpectrumParameters],
     parameters: &Parameters,
     progress: ProgressFn,
@@ -220,8 +221,8 @@ fn overlaps(
         let Some(wanted) = spectra.get(body).or(spectra.last()) else { continue };
         let basis = part.spectrum(wanted, progress)?.basis;
         let own = field.as_ref().map(|field| field.of(elements));
-        let regions = find_regions_with(part, &basis, own.as_ref(), parameters, progress)?.regions;
-        found.extend(regions.iter().map(|region| in_shape(&region.elements, elements)));
+        let set = find_regions_with(part, &basis, own.as_ref(), parameters, progress)?;
+        found.extend(set.regions.iter().map(|region| place(region, elements)));
     }
     copy.best_overlaps(regions, &found)
 }

@@ -211,7 +211,7 @@ fn each_body_on_its_own_is_the_body_alone() {
     let all = detect(Bodies::All, Input::Volume(&mesh));
     assert_eq!(all.bodies.len(), 2);
     assert!(all.bodies[0].measure() > all.bodies[1].measure());
-    assert_eq!(all.trees.iter().map(|t| t.body).collect::<Vec<_>>(), [0, 0, 1, 1]);
+    assert_eq!(all.trees.iter().map(|t| t.body).collect::<Vec<_>>(), [0, 0, 0, 0, 1, 1, 1, 1]);
     assert!(all.regions.is_sorted_by(|a, b| a.volume >= b.volume));
     let grid = all.shape.grid().unwrap();
     assert_eq!(all.bodies.iter().map(|b| b.elements.len()).sum::<usize>(), grid.len());
@@ -230,7 +230,7 @@ fn each_body_on_its_own_is_the_body_alone() {
             assert_eq!(region.parent, other.parent.map(|p| mine[p]));
             assert_eq!(
                 (region.tree, region.volume_fraction),
-                (other.tree + 2 * number, other.volume_fraction)
+                (other.tree + alone.trees.len() * number, other.volume_fraction)
             );
             assert!((0..3).all(|a| (region.centroid[a] - other.centroid[a]).abs() < 1e-9));
             // Its vertices are those whose voxel it has.
@@ -239,7 +239,7 @@ fn each_body_on_its_own_is_the_body_alone() {
                 .filter(|&v| has(v).is_some_and(|e| elements.binary_search(&e).is_ok()));
             assert_eq!(region.vertices, vertices.collect::<Vec<_>>());
         }
-        let nodes = all.nodes_of_elements(&all.trees[2 * number]);
+        let nodes = all.nodes_of_elements(&all.trees[alone.trees.len() * number]);
         let entered = alone.trees[0].tree.nodes_of_vertices();
         for (element, node) in (0u32..).zip(nodes) {
             assert_eq!(node, body.number_of(element).map(|e| entered[e as usize]));

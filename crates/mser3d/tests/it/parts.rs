@@ -102,8 +102,10 @@ fn a_dumbbell_is_cut_at_its_bar_and_a_rod_is_not_cut() {
     assert_eq!(left.elements.len(), right.elements.len());
     assert!(left.centroid[0] < -14.0 && right.centroid[0] > 14.0 && bar.centroid[0].abs() < 1e-9);
     assert!(left.trunk && right.trunk && !bar.trunk && bar.volume_fraction > 0.05);
-    // Two are not possible: the bar is between the balls.
-    assert_eq!(parts(&features, PartCount::Count(2)).parts.len(), 1);
+    // Two are its halves, cut in the middle of the bar.
+    let halves = parts(&features, PartCount::Count(2));
+    let [one, other] = &halves.parts[..] else { panic!("{}", halves.parts.len()) };
+    assert!((one.volume_fraction - 0.5).abs() < 0.01 && one.centroid[0] * other.centroid[0] < 0.0);
     for shape in [
         solid(24, |p| p[1].pow(2) + p[2].pow(2) <= 16),
         solid(10, |p| within(p, [0; 3], 10)),

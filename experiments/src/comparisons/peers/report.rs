@@ -31,7 +31,8 @@ shape is above 0.8 / above 0.9, the mirror image allowed where the symmetry is k
 More parts make it easier to find one again, so both shapes of a pair are cut to the number in the second column; who has fewer
 is scored with what there is, and a shape without parts counts 0. The best at 0.8 is bold.
 
-* **ours, paper, baseline**: the best regions of each rule: ours by lifetime, `paper` by stability, `baseline` by volume.
+* **ours, paper, baseline**: the best regions of each rule: ours those that a real merge ends first, the largest first;
+  `paper` by stability, `baseline` by volume.
 * **ToMATo** (Chazal et al. 2013): that many most persistent clusters of log H at a time scale of 0.25, on our linked
   voxels.
 * **Shape diameter** (Shapira et al. 2008): segmented into 2 to 12 clusters of diameters, on all shapes of a set into

@@ -26,7 +26,7 @@ pub fn all() -> Vec<Detector> {
     add("mode", "default", &|_| {});
     add("mode", "paper", &|p| p.stability.rule = StabilityRule::Paper);
     add("mode", "baseline", &|p| p.stability.rule = StabilityRule::Baseline);
-    for window in [0.1, 0.2, 0.4, 0.6] {
+    for window in [0.1, 0.2, 0.3, 0.4, 0.6] {
         let title = format!("window {window}");
         add("window", &title, &|p| p.stability.window = window);
     }
@@ -51,18 +51,14 @@ pub fn all() -> Vec<Detector> {
         &[0.5],
         &[1.0],
         &[2.0],
-        &[0.25, 1.0],
-        &[0.25, 1.4],
-        &[0.25, 2.8],
-        &[0.25, 4.0],
-        &[0.125, 2.0],
-        &[0.18, 2.0],
-        &[0.35, 2.0],
-        &[0.125, 1.0],
-        &[0.5, 4.0],
+        &[0.25, 2.0],
+        &[0.25, 0.7, 2.0],
         &[0.25, 0.5, 1.0],
-        &[0.25, 0.5, 1.0, 2.0],
+        &[0.5, 1.0, 2.0],
+        &[0.2, 0.45, 1.0, 2.2],
+        &[0.35, 0.7, 1.4, 2.8],
         &[0.25, 0.5, 1.0, 2.0, 4.0],
+        &[0.25, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0],
     ] {
         let list: Vec<String> = scales.iter().map(f64::to_string).collect();
         add("time scales", &format!("t = {}", list.join(", ")), &|p| {
@@ -73,7 +69,7 @@ pub fn all() -> Vec<Detector> {
     add("altitude", "linear altitude, window 0.2 of the root mean square", &|p| {
         p.stability.altitude = AltitudeScale::Linear;
     });
-    for overlap in [0.7, 0.8] {
+    for overlap in [0.7, 0.8, 0.95] {
         let title = format!("duplicates from {overlap}");
         add("pooling", &title, &|p| p.pool.duplicate_overlap = overlap);
     }
