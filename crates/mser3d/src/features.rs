@@ -78,7 +78,7 @@ impl Features {
     pub fn ranked(&self) -> Vec<usize> {
         let rank = |&place: &usize| {
             let region = &self.regions[place];
-            region.reliability.unwrap_or(f64::from(u8::from(region.merge.is_some())))
+            region.reliability.unwrap_or(f64::from(region.merge.is_some()))
         };
         let mut order: Vec<usize> = (0..self.regions.len()).collect();
         // The sort keeps the order of equal ones, which is that of volumes.

@@ -1,5 +1,5 @@
 use mser3d_shape::vector::Vec3;
-use mser3d_shape::{BitGrid, BoundingBox, Frame, IndexSet, TriangleMesh, VoxelGrid};
+use mser3d_shape::{BitGrid, BoundingBox, Frame, IndexSet, ShapeError, TriangleMesh, VoxelGrid};
 use mser3d_voxelize::Pitch;
 use rayon::prelude::*;
 
@@ -167,33 +167,78 @@ impl Deformed {
     /// what both have over that of what either has. Of a mesh it is by the area at its vertices, as in section 6; of a mask,
     /// and of regions with few vertices, by voxels.
     pub fn best_overlaps(&self, original: &[Place], copy: &[Place]) -> Result<Vec<f64>, Error> {
-        let on_vertices = |vertices: usize, place: &Place| -> Result<IndexSet, Error> {
-            Ok(IndexSet::from_members(vertices, place.vertices.iter().copied())?)
+        let by_vertices = self.areas.as_ref().map(|areas| on_vertices(areas, original, copy)).transpose()?;
+        let by_voxels =
+            self.became.as_ref().map(|became| self.on_voxels(became, original, copy)).transpose()?;
+        Ok(match (by_vertices, by_voxels) {
+            (Some(by_vertices), Some(by_voxels)) => original
+                .iter()
+                .zip(by_vertices.into_iter().zip(by_voxels))
+                .map(|(place, (vertices, voxels))| if place.is_on_vertices() { vertices } else { voxels })
+                .collect(),
+            (Some(best), None) | (None, Some(best)) => best,
+            (None, None) => vec![0.0; original.len()],
+        })
+    }
+
+    fn on_voxels(
+        &self,
+        became: &[Option<u32>],
+        original: &[Place],
+        copy: &[Place],
+    ) -> Result<Vec<f64>, Error> {
+        let (voxels, of_copy) = (became.len(), self.prepared.shape.len());
+        let here = |place: &Place| IndexSet::from_members(voxels, place.elements.iter().copied());
+        let there = |place: &Place| {
+            let there = IndexSet::from_members(of_copy, place.elements.iter().copied())?;
+            Ok(IndexSet::from_fn(voxels, |v| became[v].is_some_and(|to| there.contains(to as usize))))
         };
-        let on_voxels = |became: &[Option<u32>], place: &Place| -> Result<IndexSet, Error> {
-            let there = IndexSet::from_members(self.prepared.shape.len(), place.elements.iter().copied())?;
-            Ok(IndexSet::from_fn(became.len(), |e| became[e].is_some_and(|to| there.contains(to as usize))))
-        };
-        let sets =
-            |of: &dyn Fn(&Place) -> Result<IndexSet, Error>| copy.iter().map(of).collect::<Result<_, _>>();
-        let by_vertices: Vec<IndexSet> = match &self.areas {
-            Some(areas) => sets(&|place| on_vertices(areas.len(), place))?,
-            None => Vec::new(),
-        };
-        let by_voxels: Vec<IndexSet> = match &self.became {
-            Some(became) => sets(&|place| on_voxels(became, place))?,
-            None => Vec::new(),
-        };
-        let ones = vec![1.0; self.became.as_ref().map_or(0, Vec::len)];
-        let best = |place: &Place| {
-            let (region, others, measures) = match &self.areas {
-                Some(areas) if place.is_on_vertices() || self.became.is_none() => {
-                    (on_vertices(areas.len(), place)?, &by_vertices, areas)
-                }
-                _ => (IndexSet::from_members(ones.len(), place.elements.iter().copied())?, &by_voxels, &ones),
-            };
-            Ok(others.iter().map(|other| region.overlap(other, measures)).fold(0.0, f64::max))
-        };
-        original.par_iter().map(best).collect()
+        Ok(best(sets(original, here)?, &sets(copy, there)?, &vec![1.0; voxels]))
+    }
+}
+
+fn on_vertices(areas: &[f64], original: &[Place], copy: &[Place]) -> Result<Vec<f64>, Error> {
+    let vertices = |place: &Place| IndexSet::from_members(areas.len(), place.vertices.iter().copied());
+    Ok(best(sets(original, vertices)?, &sets(copy, vertices)?, areas))
+}
+
+fn sets(
+    places: &[Place],
+    set: impl Fn(&Place) -> Result<IndexSet, ShapeError>,
+) -> Result<Vec<IndexSet>, Error> {
+    Ok(places.iter().map(set).collect::<Result<_, _>>()?)
+}
+
+/// The best overlap of each of the first sets with one of the others.
+fn best(sets: Vec<IndexSet>, others: &[IndexSet], measures: &[f64]) -> Vec<f64> {
+    let best = |set: IndexSet| others.iter().map(|other| set.overlap(other, measures)).fold(0.0, f64::max);
+    sets.into_par_iter().map(best).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::progress::NO_PROGRESS;
+
+    fn place(elements: std::ops::Range<u32>, vertices: std::ops::Range<u32>) -> Place {
+        Place { elements: elements.collect(), vertices: vertices.collect() }
+    }
+
+    #[test]
+    fn overlaps_are_by_area_at_vertices_or_by_voxels_where_these_are_few() {
+        let dims = [10, 1, 1];
+        let frame = Frame::new(dims, [0.0; 3], [1.0; 3]).unwrap();
+        let bar = VoxelGrid::solid(frame, BitGrid::full(dims).unwrap()).unwrap();
+        let prepared = Input::Solid(&bar).prepare(&Parameters::default(), NO_PROGRESS).unwrap();
+        // Voxel i of the original became voxel i - 1 of the copy; the first is gone.
+        let became = (0..10u32).map(|v| v.checked_sub(1)).collect();
+        let areas = (0..20).map(f64::from).collect();
+        let copy = Deformed { prepared, areas: Some(areas), became: Some(became) };
+        let original = [place(0..4, 0..10), place(0..4, 0..9)];
+        let found = [place(1..4, 5..15), place(9..10, 19..20)];
+        // Vertices 5 to 9 of 0 to 14; voxels 2 and 3 of 0 to 4.
+        assert_eq!(copy.best_overlaps(&original, &found).unwrap(), [35.0 / 105.0, 2.0 / 5.0]);
+        let of_mask = Deformed { areas: None, ..copy };
+        assert_eq!(of_mask.best_overlaps(&original, &found).unwrap(), [2.0 / 5.0; 2]);
     }
 }

@@ -230,8 +230,9 @@ with nested regions, as `paper` does, loses its lead here.
 
 Regions that a real merge ends come first, of these and of the others the largest. Where such a part ends is decided by the
 shape there, not by a maximum on a flat curve, and voxels blur the border of a large part less. Stability ranks badly: the
-stablest regions are middles of limbs, and they slide. Lifetime, how long a part lasts from the real merge it came from to
-the one that ends it, ranks well where it is compared within one tree; between trees of different times it says little.
+stablest regions are middles of limbs, and they slide. Nor does
+lifetime rank a few well, how long a part lasts from the real merge it came from to the one that ends it; on the fox
+least of all.
 
 ";
 const PERSONS_START: &str = "## Between persons:";
@@ -246,8 +247,8 @@ its own volume gives.
 const POSES: &str = "\
 ## Every pose against the first
 
-As many regions of each as the poorer of the two detectors has on the poorer pose, both ways, at 0.8 / 0.9. The default is
-ranked by lifetime, `paper` by stability, `baseline` by volume.
+As many regions of each as the poorer of the two detectors has on the poorer pose, both ways, at 0.8 / 0.9. Of the default
+those that a real merge ends come first, the largest first; `paper` is ranked by stability, `baseline` by volume.
 
 | set | pose | regions | default | paper | regions | default | baseline |
 |---|---|---|---|---|---|---|---|
