@@ -5,3 +5,4 @@ pub mod poses;
 pub mod reliability;
 pub mod selection;
 pub mod shrec11;
+pub mod sides;

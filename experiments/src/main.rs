@@ -14,7 +14,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 use comparisons::peers;
-use experiments::{figures, poses, reliability, selection, shrec11};
+use experiments::{figures, poses, reliability, selection, shrec11, sides};
 
 /// The project's measurements.
 #[derive(Parser)]
@@ -40,6 +40,8 @@ enum Command {
     Reliability(reliability::Arguments),
     /// Score detectors on SHREC'10, SHREC'11 or a synthetic benchmark
     Shrec11(shrec11::Arguments),
+    /// Compare matches with the right side of the body
+    Sides(sides::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -51,6 +53,7 @@ fn main() -> ExitCode {
         Command::Selection(arguments) => selection::run(&arguments),
         Command::Reliability(arguments) => reliability::run(&arguments),
         Command::Shrec11(arguments) => shrec11::run(&arguments),
+        Command::Sides(arguments) => sides::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -4,10 +4,10 @@
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
+use mser3d::Parameters;
 use mser3d::shape::TriangleMesh;
 use mser3d::spectral::SpectrumParameters;
 use mser3d::voxelize::{Pitch, VoxelizeParameters};
-use mser3d::{Parameters, describe};
 use mser3d_evaluation::{NullShape, read_symmetry};
 use mser3d_meshio::{MeshFormat, ReadOptions, list_animations, read_mesh};
 use rayon::prelude::*;
@@ -229,8 +229,8 @@ impl PoseSet {
             Parameters { reference_measure: self.reference_measure(solved), ..parameters.clone() };
         let find = |solved: &Solved| -> Result<Found, String> {
             let regions = solved.regions(&parameters).map_err(|e| e.to_string())?;
-            let descriptors = describe(solved.basis(), &regions, &parameters).map_err(|e| e.to_string())?;
-            let detection = solved.detection(&regions, &descriptors).map_err(|e| e.to_string())?;
+            let described = solved.describe(&regions, &parameters).map_err(|e| e.to_string())?;
+            let detection = solved.detection(&regions, &described.descriptors).map_err(|e| e.to_string())?;
             Ok(Found { regions, detection })
         };
         Ok(solved.par_iter().map(find).collect::<Result<Vec<_>, String>>()?)

@@ -7,7 +7,7 @@ use mser3d::descriptors::Descriptors;
 use mser3d::shape::{Eigenbasis, TriangleMesh};
 use mser3d::spectral::SpectrumParameters;
 use mser3d::voxelize::VoxelizeParameters;
-use mser3d::{DiscreteShape, NO_PROGRESS, Parameters, Region, describe, find_regions};
+use mser3d::{Described, DiscreteShape, NO_PROGRESS, Parameters, Region, describe, find_regions};
 use mser3d_evaluation::{DetectedRegions, IndexSet};
 use mser3d_meshio::{ReadOptions, read_mesh};
 
@@ -70,8 +70,13 @@ impl Solved {
     /// What a detector finds, as sets of the mesh's vertices.
     pub fn detect(&self, parameters: &Parameters) -> Result<DetectedRegions, Box<dyn Error>> {
         let regions = self.regions(parameters)?;
-        let descriptors = describe(&self.basis, &regions, parameters)?;
-        self.detection(&regions, &descriptors)
+        let described = self.describe(&regions, parameters)?;
+        self.detection(&regions, &described.descriptors)
+    }
+
+    /// The descriptors of regions, and their sides.
+    pub fn describe(&self, regions: &[Region], parameters: &Parameters) -> Result<Described, Box<dyn Error>> {
+        Ok(describe(&self.shape, &self.basis, regions, parameters)?)
     }
 
     /// Regions with their descriptors, as sets of the mesh's vertices.

@@ -8,6 +8,7 @@
 //! | commute time | [`commute_time`], [`power_diffusivity`] | eq. 6 |
 //! | vHKS, HKS | [`hks`] | section 5 |
 //! | SI-vHKS, SI-HKS | [`si_hks`] | eq. 9 |
+//! | left and right | [`chirality_of_solid`], [`chirality_of_surface`] | |
 //! | descriptors of regions | [`region_descriptors`] | eq. 11 |
 //! | bags of features | [`Vocabulary`] | section 5 |
 //! | 3D integral invariants | [`integral_invariants`] | section 5 |
@@ -40,6 +41,7 @@
 #![warn(missing_docs)]
 
 mod assignment;
+mod chirality;
 mod commute;
 mod descriptor_table;
 mod error;
@@ -56,6 +58,7 @@ mod vertex_subset;
 mod vocabulary;
 
 pub use assignment::assign;
+pub use chirality::{Chirality, ChiralityParameters, chirality_of_solid, chirality_of_surface};
 pub use commute::{ZERO_EIGENVALUE, commute_time, power_diffusivity, zero_modes};
 pub use descriptor_table::Descriptors;
 pub use error::DescriptorError;

@@ -1,6 +1,6 @@
 use mser3d_spectral::{EigenpairRange, Spectrum, SpectrumParameters};
 
-use crate::describe::describe_with;
+use crate::describe::{Described, describe_with};
 use crate::features::{Found, FoundOnBody};
 use crate::input::Prepared;
 use crate::progress::{NO_PROGRESS, Progress, ProgressFn, Stage, report};
@@ -8,7 +8,8 @@ use crate::regions::find_regions_with;
 use crate::reliability::{self, Original};
 use crate::run_report::Clock;
 use crate::{
-    Body, DiscreteShape, Error, Features, Field, Input, Parameters, RegionSet, Warning, Weight, partition,
+    Body, DiscreteShape, Error, Features, Field, Input, Parameters, RegionSet, Sidedness, Warning, Weight,
+    partition,
 };
 
 /// Where the eigenpairs of a shape come from: [`DiscreteShape::spectrum`], or a cache before it.
@@ -135,7 +136,8 @@ impl<'a> Detector<'a> {
             let Spectrum { basis, report, .. } = spectra(part(body), &wanted, &progress)?;
             let (available, residual) = (basis.eigenvalues().len(), report.residual);
             tracing::info!(body, eigenpairs = available, solver = %report.solver, residual, "solved");
-            searched.push(Body { elements: elements.clone(), basis, spectrum: report });
+            let sidedness = Sidedness::default();
+            searched.push(Body { elements: elements.clone(), basis, spectrum: report, sidedness });
         }
         let seconds = clock.lap(Stage::Spectrum);
         tracing::info!(bodies = bodies.len(), seconds, "solved all");
@@ -171,9 +173,14 @@ impl<'a> Detector<'a> {
         }
 
         let mut found = Vec::with_capacity(bodies.len());
-        for (number, (set, body)) in sets.into_iter().zip(&searched).enumerate() {
+        for (number, (mut set, body)) in sets.into_iter().zip(&mut searched).enumerate() {
             let progress = |told| progress(of_bodies(told, number, bodies.len()));
-            let descriptors = describe_with(&body.basis, &set.regions, parameters, &progress)?;
+            let Described { descriptors, sides } =
+                describe_with(part(number), &body.basis, &set.regions, parameters, &progress)?;
+            for ((region, twin), side) in set.regions.iter_mut().zip(&sides.twins).zip(&sides.sides) {
+                (region.twin, region.side) = (*twin, *side);
+            }
+            body.sidedness = sides.sidedness;
             found.push(FoundOnBody { set, descriptors });
         }
         let Found { regions, descriptors, trees, duplicates } = Found::on_all(&shape, &bodies, found)?;

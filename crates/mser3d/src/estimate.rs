@@ -66,7 +66,9 @@ impl Parameters {
         let links = if self.weight.is_of_elements() { 1.0 } else { 2.0 };
         let trees = if self.weight.has_time_scale() { self.time_scales.len() } else { 1 };
         let samples = match &self.descriptor {
-            Descriptor::SizedSiHks(own) | Descriptor::SiHks(own) => own.samples(),
+            Descriptor::SidedSiHks(own) | Descriptor::SizedSiHks(own) | Descriptor::SiHks(own) => {
+                own.samples()
+            }
             Descriptor::Hks(own) => own.times.len(),
         };
         let (elements, k) = (n as f64, eigenpairs as f64);

@@ -4,7 +4,9 @@ use mser3d_spectral::SpectrumReport;
 use mser3d_voxelize::Voxelization;
 
 use crate::regions::vertices_in;
-use crate::{DiscreteShape, Error, Parameters, Partition, Region, RegionSet, RunReport, Tree, Warning};
+use crate::{
+    DiscreteShape, Error, Parameters, Partition, Region, RegionSet, RunReport, Sidedness, Tree, Warning,
+};
 
 /// The stable regions of a shape, their descriptors, and how they were found.
 #[derive(Clone, Debug)]
@@ -44,6 +46,8 @@ pub struct Body {
     pub basis: Eigenbasis,
     /// Their measured quality.
     pub spectrum: SpectrumReport,
+    /// Whether it has a left and a right.
+    pub sidedness: Sidedness,
 }
 
 impl Body {
@@ -122,6 +126,7 @@ impl Found {
                 region.body = body;
                 region.tree += first_tree;
                 region.parent = region.parent.map(|parent| parent + first_region);
+                region.twin = region.twin.map(|twin| twin + first_region);
                 if bodies.len() > 1 {
                     region.elements.iter_mut().for_each(|e| *e = elements[*e as usize]);
                     region.vertices = vertices_in(shape, &region.elements)?;
@@ -140,7 +145,10 @@ impl Found {
         let mut regions: Vec<(usize, Region)> = rows
             .into_iter()
             .zip(&place)
-            .map(|((region, _), &to)| (to, Region { parent: region.parent.map(|p| place[p]), ..region }))
+            .map(|((region, _), &to)| {
+                let [parent, twin] = [region.parent, region.twin].map(|other| other.map(|r| place[r]));
+                (to, Region { parent, twin, ..region })
+            })
             .collect();
         regions.sort_by_key(|&(to, _)| to);
         let regions = regions.into_iter().map(|(_, region)| region).collect();

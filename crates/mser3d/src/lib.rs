@@ -11,7 +11,7 @@
 //! * Its stages can be called one by one and their results reused: [`DiscreteShape::volume`],
 //!   [`DiscreteShape::surface`] or [`DiscreteShape::solid`] make what heat flows on,
 //!   [`DiscreteShape::spectrum`] its eigenbasis, [`find_regions`] the regions for any number of weights,
-//!   [`describe`] their descriptors.
+//!   [`describe`] their descriptors, and left and right.
 //! * Any other weight is a [`Field`]: a number or a vector for each element, from a function that
 //!   [`Detector::with_weight`] takes.
 //!
@@ -57,6 +57,7 @@ mod regions;
 mod reliability;
 mod run_report;
 mod shells;
+mod sides;
 mod solid;
 mod warning;
 mod weighing;
@@ -64,7 +65,7 @@ mod weight;
 mod weld;
 
 pub use bodies::{Bodies, MIN_BODY_ELEMENTS, MIN_BODY_FRACTIONS};
-pub use describe::describe;
+pub use describe::{Described, describe};
 pub use detector::{Detector, FieldSource, SpectrumSource};
 pub use discrete_shape::{DiscreteShape, Elements};
 pub use error::Error;
@@ -80,6 +81,7 @@ pub use progress::{NO_PROGRESS, Progress, ProgressFn, Stage};
 pub use regions::{Region, RegionSet, Tree, find_regions, find_regions_of_field};
 pub use reliability::ReliabilityParameters;
 pub use run_report::{RunReport, StageReport};
+pub use sides::{Sidedness, Sides};
 pub use warning::Warning;
 pub use weight::Weight;
 

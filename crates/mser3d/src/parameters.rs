@@ -9,8 +9,10 @@ use crate::{Bodies, Error, Field, PartParameters, ReliabilityParameters, Weight}
 mser3d_shape::choice! {
     /// The kinds of [`Descriptor`].
     pub enum DescriptorKind("descriptor") {
-        /// SI-vHKS, and the region's share of the volume: neither changes with the shape's size
+        /// SI-vHKS, the region's share of the volume, and on which side of the body it is
         #[default]
+        SidedSiHks = "sided-si-hks",
+        /// The same without the side: the same for left and right
         SizedSiHks = "sized-si-hks",
         /// SI-vHKS alone, as in the paper
         SiHks = "si-hks",
@@ -25,6 +27,9 @@ mser3d_shape::choice! {
 #[cfg_attr(feature = "serde", serde(tag = "kind", rename_all = "kebab-case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Descriptor {
+    /// SI-vHKS in a volume, SI-HKS on a surface (eq. 9), a number more for the region's size, and what tells left from right:
+    /// see [`crate::describe`].
+    SidedSiHks(SiHksParameters),
     /// SI-vHKS in a volume, SI-HKS on a surface (eq. 9), and one number more for the region's size: see
     /// [`crate::describe`].
     SizedSiHks(SiHksParameters),
@@ -38,6 +43,7 @@ impl Descriptor {
     /// Which kind it is, without its parameters.
     pub fn kind(&self) -> DescriptorKind {
         match self {
+            Self::SidedSiHks(_) => DescriptorKind::SidedSiHks,
             Self::SizedSiHks(_) => DescriptorKind::SizedSiHks,
             Self::SiHks(_) => DescriptorKind::SiHks,
             Self::Hks(_) => DescriptorKind::Hks,
@@ -49,6 +55,7 @@ impl From<DescriptorKind> for Descriptor {
     /// The descriptor with its default parameters.
     fn from(kind: DescriptorKind) -> Self {
         match kind {
+            DescriptorKind::SidedSiHks => Self::SidedSiHks(SiHksParameters::default()),
             DescriptorKind::SizedSiHks => Self::SizedSiHks(SiHksParameters::default()),
             DescriptorKind::SiHks => Self::SiHks(SiHksParameters::default()),
             DescriptorKind::Hks => Self::Hks(HksParameters::default()),
@@ -99,7 +106,7 @@ pub struct Parameters {
     pub pool: PoolParameters,
     /// How surely regions are found again.
     pub reliability: ReliabilityParameters,
-    /// What describes a region. Default: SI-vHKS and the region's size.
+    /// What describes a region. Default: SI-vHKS, the region's size and its side.
     pub descriptor: Descriptor,
     /// How bodies are divided into parts ([`partition`](crate::partition())). Default: none, they are not.
     pub parts: Option<PartParameters>,
@@ -150,7 +157,9 @@ impl Parameters {
         self.pool.validate()?;
         self.reliability.validate()?;
         match &self.descriptor {
-            Descriptor::SizedSiHks(parameters) | Descriptor::SiHks(parameters) => parameters.validate()?,
+            Descriptor::SidedSiHks(parameters)
+            | Descriptor::SizedSiHks(parameters)
+            | Descriptor::SiHks(parameters) => parameters.validate()?,
             Descriptor::Hks(parameters) => parameters.validate()?,
         }
         if let Some(parts) = &self.parts {

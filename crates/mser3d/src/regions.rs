@@ -36,6 +36,12 @@ pub struct Region {
     /// measured on deformed copies of the shape ([`ReliabilityParameters`](crate::ReliabilityParameters)). None where it
     /// was not measured.
     pub reliability: Option<f64>,
+    /// Its mirror image on the same body, as a place in the list of regions: the region of the other side that is
+    /// like it. None of regions in the middle, of those whose mirror image was not found, and where more than two are alike.
+    pub twin: Option<usize>,
+    /// On which side of its body it is, from -1 to 1; near 0 in the middle ([`Sides::sides`](crate::Sides::sides)). None where the
+    /// body has no sides ([`Body::sidedness`](crate::Body::sidedness)).
+    pub side: Option<f64>,
     /// Volume in length^3, or area in length^2.
     pub volume: f64,
     /// Volume over that of its body: of the whole shape, unless bodies are searched each on its own.
@@ -170,6 +176,8 @@ pub(crate) fn find_regions_with(
                 persistence: stable.persistence,
                 merge: stable.merge,
                 reliability: None,
+                twin: None,
+                side: None,
                 volume: region.volume,
                 volume_fraction: region.volume / measure,
                 vertices: vertices_in(shape, &region.vertices)?,

@@ -33,6 +33,8 @@ fn as_region(part: &PartRecord) -> RegionRecord {
         stability: f64::NAN,
         reliability: None,
         lifetime: None,
+        twin: None,
+        side: None,
         volume: part.volume,
         volume_fraction: part.volume_fraction,
         voxels: part.voxels,

@@ -4,7 +4,7 @@ use mser3d::comptree::{Polarity, SelectionReport};
 use mser3d::descriptors::TimeScale;
 use mser3d::spectral::SpectrumReport;
 use mser3d::voxelize::{Diagnosis, GridTopology, InsideTest, Voxelization};
-use mser3d::{Body, Features, Parameters, Part, Region, RunReport};
+use mser3d::{Body, Features, Parameters, Part, Region, RunReport, Sidedness};
 use mser3d_fileio::file_stem;
 use mser3d_shape::vector::scale;
 use mser3d_shape::{Affine, Domain, VoxelGrid};
@@ -185,6 +185,9 @@ pub struct SearchedBodyRecord {
     pub measure: f64,
     /// Its eigenpairs.
     pub spectrum: SpectrumRecord,
+    /// Whether it has a left and a right.
+    #[serde(default)]
+    pub sidedness: Sidedness,
 }
 
 /// A component tree; its nodes are in `features.npz`.
@@ -230,6 +233,11 @@ pub struct RegionRecord {
     pub reliability: Option<f64>,
     /// How long it lasts before the real merge that ends it, in altitude (as for stability); none where no merge does.
     pub lifetime: Option<f64>,
+    /// Its mirror image on the same body; none in the middle, where it was not found, and where more than two are alike.
+    pub twin: Option<u32>,
+    /// On which side of its body it is, from -1 to 1, near 0 in the middle: see [`mser3d::Region::side`]. None where the body
+    /// has no sides.
+    pub side: Option<f64>,
     /// Volume in length^3, or area in length^2.
     pub volume: f64,
     /// Volume over that of its body: of the whole shape, unless bodies are searched each on its own.
@@ -282,7 +290,8 @@ impl SearchedBodyRecord {
             largest_eigenvalue: body.basis.eigenvalues().last().copied(),
             report: body.spectrum,
         };
-        Self { elements: body.elements.len(), measure: body.measure(), spectrum }
+        let sidedness = body.sidedness;
+        Self { elements: body.elements.len(), measure: body.measure(), spectrum, sidedness }
     }
 }
 
@@ -307,6 +316,8 @@ impl Record {
             stability: r.stability,
             reliability: r.reliability,
             lifetime: r.merge.map(|merge| merge.lifetime),
+            twin: r.twin.map(|t| t as u32),
+            side: r.side,
             volume: r.volume,
             volume_fraction: r.volume_fraction,
             voxels: volume.then_some(r.elements.len()),
@@ -466,6 +477,8 @@ mod tests {
             stability: 2.5,
             reliability: Some(0.75),
             lifetime: Some(0.5),
+            twin: None,
+            side: None,
             volume: 1.0,
             volume_fraction: 0.1,
             voxels: None,

@@ -72,7 +72,7 @@ fn a_killed_run_goes_on_where_it_was_and_gives_the_same_numbers() {
     assert!(String::from_utf8_lossy(&other.stderr).contains("other settings"));
 
     let [regions, shapes, _] = tables(&whole);
-    assert_eq!(shapes.lines().count(), 1 + 7 * 4); // six descriptors and a surface, four shapes
+    assert_eq!(shapes.lines().count(), 1 + 8 * 4); // seven descriptors and a surface, four shapes
     // Overlaps in voxels are known in volumes.
     assert!(
         regions

@@ -1,4 +1,5 @@
 //! Tests of weights, signatures and matches, in one binary.
+mod chirality;
 mod common;
 #[path = "../../examples/rod.rs"]
 mod example;

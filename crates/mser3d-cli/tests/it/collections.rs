@@ -204,7 +204,25 @@ fn regions_of_two_poses_match_up_to_symmetry() {
     let precision = &result["result"]["precision"];
     assert!(precision["precision"].as_f64().unwrap() >= 0.9, "{precision}");
     assert!(matches.len() >= 10, "{precision}");
-    assert!(matches.iter().any(|m| m["symmetric"] == true), "limbs come in pairs");
+    let record: Value =
+        serde_json::from_str(&fs::read_to_string(rest.join("regions.json")).unwrap()).unwrap();
+    let twin = |region: &Value| region["twin"].as_u64().map(|twin| twin as usize);
+    let regions = record["regions"].as_array().unwrap();
+    let pairs: Vec<[usize; 2]> =
+        regions.iter().enumerate().filter_map(|(id, region)| Some([id, twin(region)?])).collect();
+    assert!(pairs.len() >= 4, "limbs come in pairs: {pairs:?}");
+    assert!(pairs.iter().all(|&[id, other]| twin(&regions[other]) == Some(id)), "{pairs:?}");
+    assert_ne!(record["bodies"][0]["sidedness"]["kind"], "no-twins");
+    // Without sides, left and right look alike.
+    let plain = folder.path().join("plain");
+    let options = "--voxels 6000 --eigenpairs 60 --reference first --descriptor sized-si-hks";
+    batch(&poses()[..2], &plain, options);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_mser3d"));
+    let both = [plain.join("human_rest"), plain.join("human_walk")];
+    let result: Value =
+        serde_json::from_slice(&command.arg("match").args(&both).arg("--json").output().unwrap().stdout)
+            .unwrap();
+    assert!(result["result"]["matches"].as_array().unwrap().iter().any(|m| m["symmetric"] == true));
     let page = fs::read_to_string(folder.path().join("matches/matches.html")).unwrap();
     assert!(page.contains("<title>Regions of human_walk matched to human_rest</title>"));
     let csv = fs::read_to_string(folder.path().join("matches/matches.csv")).unwrap();

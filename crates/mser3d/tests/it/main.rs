@@ -6,6 +6,7 @@ mod example;
 mod bodies;
 mod parts;
 mod reliability;
+mod sides;
 mod weights;
 mod without_parts;
 
@@ -97,9 +98,15 @@ fn stages_one_by_one_are_the_detector() {
     let (shape, _) = DiscreteShape::volume(&mesh, &parameters.voxelize).unwrap();
     let basis = shape.spectrum(&parameters.spectrum, mser3d::NO_PROGRESS).unwrap().basis;
     let found = find_regions(&shape, &basis, &parameters, mser3d::NO_PROGRESS).unwrap();
-    let descriptors = describe(&basis, &found.regions, &parameters).unwrap();
-    assert_eq!(found.regions, whole.regions);
-    assert_eq!(descriptors.values(), whole.descriptors.values());
+    let described = describe(&shape, &basis, &found.regions, &parameters).unwrap();
+    assert_eq!(described.descriptors.values(), whole.descriptors.values());
+    assert_eq!(described.sides.sidedness, whole.bodies[0].sidedness);
+    let mut regions = found.regions;
+    for ((region, &twin), &side) in regions.iter_mut().zip(&described.sides.twins).zip(&described.sides.sides)
+    {
+        (region.twin, region.side) = (twin, side);
+    }
+    assert_eq!(regions, whole.regions);
     // A shape and a spectrum that are there serve other weights.
     let cached = |_: &DiscreteShape, _: &_, _: mser3d::ProgressFn| {
         Ok(mser3d::spectral::Spectrum::new(basis.clone(), whole.bodies[0].spectrum))

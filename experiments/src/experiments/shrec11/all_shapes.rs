@@ -76,7 +76,7 @@ fn folders(arguments: &Arguments, detectors: &[Detector]) -> Result<Vec<(Scored,
     let mut folders = Vec::new();
     for (name, description) in detectors.iter().flat_map(Detector::entries) {
         let folder = store.folder(&name)?;
-        folders.push((Scored::new(name, description != Description::SizedSiHks), folder));
+        folders.push((Scored::new(name, description != Description::SidedSiHks), folder));
     }
     for other in &arguments.detections {
         let name = other.file_name().unwrap_or(other.as_os_str()).to_string_lossy().into_owned();

@@ -32,7 +32,9 @@ impl Medium {
 /// A way to describe regions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Description {
-    /// SI-vHKS in a volume, SI-HKS on a surface, and the region's size: the default.
+    /// SI-vHKS in a volume, SI-HKS on a surface, the region's size and its side: the default.
+    SidedSiHks,
+    /// The same without the side.
     SizedSiHks,
     /// SI-vHKS alone, the paper's.
     SiHks,
@@ -50,7 +52,8 @@ impl Description {
     /// What the name of a detector is followed by: nothing for its usual descriptor.
     fn suffix(self) -> &'static str {
         match self {
-            Self::SizedSiHks => "",
+            Self::SidedSiHks => "",
+            Self::SizedSiHks => "+sized-si-hks",
             Self::SiHks => "+si-hks",
             Self::Hks => "+vhks",
             Self::Vocabulary => "+vocabulary",
@@ -79,17 +82,17 @@ pub fn chosen(names: &[String]) -> Result<Vec<Detector>, String> {
 }
 
 fn all() -> Vec<Detector> {
-    use Description::{Hks, IntegralInvariants, SiHks, SizedSiHks, SurfaceSiHks, Vocabulary};
+    use Description::{Hks, IntegralInvariants, SiHks, SidedSiHks, SizedSiHks, SurfaceSiHks, Vocabulary};
     use Medium::{Surface, UncutVolume, Volume};
     let detector = |name, medium, change: fn(&mut Parameters)| {
         let mut parameters = Parameters::default();
         change(&mut parameters);
-        Detector { name, medium, parameters, descriptors: &[SizedSiHks] }
+        Detector { name, medium, parameters, descriptors: &[SidedSiHks] }
     };
     let mut default = detector("volume-heat", Volume, |_| {});
-    default.descriptors = &[SizedSiHks, SiHks, Hks, Vocabulary, IntegralInvariants, SurfaceSiHks];
+    default.descriptors = &[SidedSiHks, SizedSiHks, SiHks, Hks, Vocabulary, IntegralInvariants, SurfaceSiHks];
     let mut paper = detector("volume-heat-paper", Volume, |p| p.stability.rule = StabilityRule::Paper);
-    paper.descriptors = &[SizedSiHks, SiHks];
+    paper.descriptors = &[SidedSiHks, SiHks];
     vec![
         default,
         paper,

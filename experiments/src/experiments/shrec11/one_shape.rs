@@ -9,7 +9,7 @@ use mser3d::descriptors::{
 use mser3d::shape::{Domain, TriangleMesh, VoxelGrid};
 use mser3d::spectral::SpectrumParameters;
 use mser3d::voxelize::{Pitch, VoxelizeParameters};
-use mser3d::{Descriptor, Parameters, Region, describe};
+use mser3d::{Descriptor, Parameters, Region};
 use mser3d_evaluation::DetectedRegions;
 use mser3d_evaluation::shrec::{ShapeName, SpaceMap};
 
@@ -187,13 +187,18 @@ impl Shared {
         let mut entries = Vec::new();
         for (entry, description) in detector.entries() {
             let descriptors = match description {
+                Description::SidedSiHks => {
+                    media.get(detector.medium)?.describe(&regions, &parameters)?.descriptors
+                }
                 Description::SizedSiHks => {
-                    describe(media.get(detector.medium)?.basis(), &regions, &parameters)?
+                    let descriptor = Descriptor::SizedSiHks(SiHksParameters::default());
+                    let own = Parameters { descriptor, ..parameters.clone() };
+                    media.get(detector.medium)?.describe(&regions, &own)?.descriptors
                 }
                 Description::SiHks => {
                     let descriptor = Descriptor::SiHks(SiHksParameters::default());
                     let own = Parameters { descriptor, ..parameters.clone() };
-                    describe(media.get(detector.medium)?.basis(), &regions, &own)?
+                    media.get(detector.medium)?.describe(&regions, &own)?.descriptors
                 }
                 Description::Hks => {
                     // The null shape's times, as in the paper: this descriptor knows of no scale.
@@ -203,7 +208,7 @@ impl Shared {
                         *time = TimeScale::Absolute(time.with_unit(unit)?);
                     }
                     let own = Parameters { descriptor: Descriptor::Hks(own), ..parameters.clone() };
-                    describe(media.get(detector.medium)?.basis(), &regions, &own)?
+                    media.get(detector.medium)?.describe(&regions, &own)?.descriptors
                 }
                 Description::Vocabulary => self.bags(media.get(detector.medium)?, &regions, scaled)?,
                 Description::IntegralInvariants => {
