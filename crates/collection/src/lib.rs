@@ -97,7 +97,7 @@ pub use failure::Failure;
 pub use ground_truth::judge_matching;
 pub use job::{Frames, Job, LEAST_LABEL_VOXELS, Plan, PlanParameters, Shard, SkippedLabel, plan};
 pub use label_tables::write_label_map;
-pub use matching::{DescribedResult, MatchRecord, Matching, RegionMatch, match_results};
+pub use matching::{DescribedResult, MatchRecord, Matching, MatchingParameters, RegionMatch, match_results};
 pub use query::{Hit, Index, QueryRecord, RegionHits};
 pub use tables::{Tables, build_tables};
 

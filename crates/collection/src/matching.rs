@@ -1,6 +1,9 @@
 use std::path::{Path, PathBuf};
 
-use mser3d::descriptors::{Descriptors, MatchParameters, match_descriptors};
+use mser3d::Sidedness;
+use mser3d::descriptors::{
+    DescriptorError, DescriptorMatch, Descriptors, MatchParameters, RegionCosines, match_regions,
+};
 use mser3d_evaluation::{MatchTruth, PrecisionRecall};
 use mser3d_results::Results;
 use mser3d_shape::Choice;
@@ -20,6 +23,8 @@ pub struct DescribedResult {
     pub settings: DescriptorSettings,
     /// Its descriptors.
     pub descriptors: Descriptors,
+    /// How near its regions are to each other.
+    pub cosines: RegionCosines,
 }
 
 impl DescribedResult {
@@ -34,7 +39,24 @@ impl DescribedResult {
             return Err(CollectionError::NoRegions { folder: folder.to_owned() });
         }
         let descriptors = Descriptors::new(results.descriptor_width, results.descriptors.clone())?;
-        Ok(Self { folder: folder.to_owned(), results, settings, descriptors })
+        let cosines = RegionCosines::new(results.record.regions.len(), results.cosines.clone())?;
+        Ok(Self { folder: folder.to_owned(), results, settings, descriptors, cosines })
+    }
+
+    /// The descriptors of its mirror image; the same where they know no sides.
+    fn mirrored(&self) -> Result<Descriptors, DescriptorError> {
+        let first = self.settings.descriptor.first_mirrored().unwrap_or(self.descriptors.width());
+        let sign = |(i, x): (usize, &f64)| if i < first { *x } else { -x };
+        let rows = self.descriptors.rows().flat_map(|row| row.iter().enumerate().map(sign));
+        Descriptors::new(self.descriptors.width(), rows.collect())
+    }
+
+    /// Whether matches of a region can tell it from its twin.
+    fn tells_sides(&self, region: u32) -> bool {
+        let record = &self.results.record;
+        let body = record.bodies.get(record.regions[region as usize].body as usize);
+        let sided = body.is_some_and(|body| matches!(body.sidedness, Sidedness::Sided { .. }));
+        sided && self.settings.descriptor.first_mirrored().is_some()
     }
 }
 
@@ -46,17 +68,18 @@ pub struct RegionMatch {
     pub region: u32,
     /// Its partner on the first shape.
     pub partner: u32,
-    /// Euclidean distance of their descriptors.
+    /// Euclidean distance of their descriptors, and what speaks against the pair in the other pairs
+    /// ([`MatchParameters::consistency`]).
     pub distance: f64,
-    /// The region of the first shape that is nearest but for the partner.
+    /// The region of the first shape that is nearest but for the partner, by the same distance.
     pub rival: Option<u32>,
     /// Its distance.
     pub rival_distance: Option<f64>,
     /// Whether the rival is about as near.
     pub ambiguous: bool,
-    /// Whether the rival looks like the partner's mirror image: ambiguous, of like volume, and apart
-    /// from it. Intrinsic descriptors cannot tell left from right.
-    pub symmetric: bool,
+    /// The partner's mirror image on the first shape, where left and right cannot be told on one of both shapes: it could
+    /// as well be the partner.
+    pub or_twin: Option<u32>,
     /// How right the match is, where a ground truth is known.
     pub truth: Option<MatchTruth>,
 }
@@ -69,10 +92,23 @@ pub struct Matching {
     pub matches: Vec<RegionMatch>,
     /// Regions of the second shape that got no partner.
     pub unmatched: Vec<u32>,
+    /// Whether the second shape was taken for a mirror image, because that fits better
+    /// ([`MatchingParameters::allow_mirror`]).
+    pub mirrored: bool,
     /// How many are right, where a ground truth is known.
     pub precision: Option<PrecisionRecall>,
     /// What the user should know.
     pub warnings: Vec<String>,
+}
+
+/// Parameters of [`match_results`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MatchingParameters {
+    /// How regions are matched.
+    #[serde(flatten)]
+    pub regions: MatchParameters,
+    /// Whether left may be matched to right, of the whole shape at once, where that fits better. Default: no.
+    pub allow_mirror: bool,
 }
 
 /// What `matches.json` says: which results were matched, how, and what was found.
@@ -87,7 +123,7 @@ pub struct MatchRecord {
     pub second: String,
     /// How partners were chosen.
     #[serde(flatten)]
-    pub parameters: MatchParameters,
+    pub parameters: MatchingParameters,
     /// What was found.
     pub result: Matching,
 }
@@ -97,7 +133,7 @@ impl MatchRecord {
     pub fn new(
         first: &DescribedResult,
         second: &DescribedResult,
-        parameters: &MatchParameters,
+        parameters: &MatchingParameters,
         result: &Matching,
     ) -> Self {
         let path = |of: &DescribedResult| of.folder.to_string_lossy().into_owned();
@@ -111,36 +147,52 @@ impl MatchRecord {
     }
 }
 
-/// Volumes that differ by less than this factor may be mirror images.
-const LIKE_VOLUME: f64 = 1.25;
-
-/// Matches each region of `second` to one of `first` by descriptor.
+/// Matches each region of `second` to one of `first`, by descriptor and so that the matches hold together
+/// ([`match_regions`]).
 ///
 /// # Errors
 /// [`CollectionError::DifferentDescriptors`]; [`CollectionError::Descriptors`] for parameters out of range.
 pub fn match_results(
     first: &DescribedResult,
     second: &DescribedResult,
-    parameters: &MatchParameters,
+    parameters: &MatchingParameters,
 ) -> Result<Matching, CollectionError> {
     if let Some(what) = first.settings.difference(&second.settings) {
         let (first, second) = (first.folder.clone(), second.folder.clone());
         return Err(CollectionError::DifferentDescriptors { first, second, what });
     }
-    let found = match_descriptors(&second.descriptors, &first.descriptors, parameters)?;
+    let of = |descriptors: &Descriptors, parameters: &MatchParameters| {
+        let references = (&first.descriptors, &first.cosines);
+        match_regions((descriptors, &second.cosines), references, parameters)
+    };
+    let mut descriptors = second.descriptors.clone();
+    let mut mirrored = false;
+    if parameters.allow_mirror {
+        let image = second.mirrored()?;
+        // By what every region costs, without the rules that drop some.
+        let all =
+            MatchParameters { consistency: parameters.regions.consistency, ..MatchParameters::default() };
+        let cost = |matches: Vec<DescriptorMatch>| matches.iter().map(|m| m.partner.distance).sum::<f64>();
+        mirrored = cost(of(&image, &all)?) < cost(of(&descriptors, &all)?);
+        if mirrored {
+            descriptors = image;
+        }
+    }
+    let found = of(&descriptors, &parameters.regions)?;
     let matches: Vec<RegionMatch> = found
         .into_iter()
         .map(|m| {
-            let rival = m.rival.map(|r| r.reference);
+            let (region, partner) = (m.query as u32, m.partner.reference as u32);
+            let twin = first.results.record.regions[m.partner.reference].twin;
+            let told = first.tells_sides(partner) && second.tells_sides(region);
             RegionMatch {
-                region: m.query as u32,
-                partner: m.partner.reference as u32,
+                region,
+                partner,
                 distance: m.partner.distance,
-                rival: rival.map(|r| r as u32),
+                rival: m.rival.map(|r| r.reference as u32),
                 rival_distance: m.rival.map(|r| r.distance),
                 ambiguous: m.ambiguous,
-                symmetric: m.ambiguous
-                    && rival.is_some_and(|r| mirrored(&first.results, m.partner.reference, r)),
+                or_twin: twin.filter(|_| !told),
                 truth: None,
             }
         })
@@ -152,38 +204,27 @@ pub fn match_results(
     if versions[0] != versions[1] {
         warnings.push(format!("made by different versions of mser3d, {} and {}", versions[0], versions[1]));
     }
-    Ok(Matching { matches, unmatched, precision: None, warnings })
-}
-
-/// Whether two regions of a shape may be mirror images: of like volume, and apart.
-fn mirrored(results: &Results, a: usize, b: usize) -> bool {
-    let volume = |region: usize| results.record.regions[region].volume;
-    let (small, large) = (volume(a).min(volume(b)), volume(a).max(volume(b)));
-    let members = |region: usize| match results.region_voxels.get(region) {
-        Some(voxels) if !voxels.is_empty() => voxels,
-        _ => &results.region_vertices[region],
-    };
-    large < LIKE_VOLUME * small && members(a).iter().all(|m| members(b).binary_search(m).is_err())
+    Ok(Matching { matches, unmatched, mirrored, precision: None, warnings })
 }
 
 impl Matching {
     /// The matches as comma-separated values, with a header line.
     pub fn to_csv(&self) -> String {
         let mut csv = String::from(
-            "region,partner,distance,rival,rival_distance,ambiguous,symmetric,overlap,mirrored_overlap,verdict\n",
+            "region,partner,distance,rival,rival_distance,ambiguous,or_twin,overlap,mirrored_overlap,verdict\n",
         );
         let optional = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
         for m in &self.matches {
-            let rival = m.rival.map_or(String::new(), |r| r.to_string());
+            let region = |region: Option<u32>| region.map_or(String::new(), |r| r.to_string());
+            let (rival, twin) = (region(m.rival), region(m.or_twin));
             let verdict = m.truth.map_or("", |t| t.verdict.name());
             csv.push_str(&format!(
-                "{},{},{},{rival},{},{},{},{},{},{verdict}\n",
+                "{},{},{},{rival},{},{},{twin},{},{},{verdict}\n",
                 m.region,
                 m.partner,
                 m.distance,
                 optional(m.rival_distance),
                 m.ambiguous,
-                m.symmetric,
                 optional(m.truth.map(|t| t.overlap)),
                 optional(m.truth.and_then(|t| t.mirrored_overlap)),
             ));

@@ -43,6 +43,7 @@
 mod assignment;
 mod chirality;
 mod commute;
+mod consistency;
 mod descriptor_table;
 mod error;
 mod heat;
@@ -60,12 +61,15 @@ mod vocabulary;
 pub use assignment::assign;
 pub use chirality::{Chirality, ChiralityParameters, chirality_of_solid, chirality_of_surface};
 pub use commute::{ZERO_EIGENVALUE, commute_time, power_diffusivity, zero_modes};
+pub use consistency::RegionCosines;
 pub use descriptor_table::Descriptors;
 pub use error::DescriptorError;
 pub use heat::{auto_diffusivity, diffusion_distance, heat_kernel, heat_trace, inverse_heat_kernel};
 pub use hks::{HksParameters, hks};
 pub use integral_invariants::{IntegralInvariantParameters, integral_invariants};
-pub use matching::{Candidate, DescriptorMatch, MatchParameters, MatchRule, match_descriptors};
+pub use matching::{
+    Candidate, DescriptorMatch, MatchParameters, MatchRule, match_descriptors, match_regions,
+};
 pub use mser3d_shape as shape;
 pub use mser3d_shape::InvalidParameter;
 pub use regions::region_descriptors;

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use mser3d::descriptors::{MatchParameters, MatchRule};
 use mser3d_collection::{
-    CollectionError, DescribedResult, MatchRecord, Matching, judge_matching, match_results,
+    CollectionError, DescribedResult, MatchRecord, Matching, MatchingParameters, judge_matching,
+    match_results,
 };
 use mser3d_evaluation::read_symmetry;
 use mser3d_fileio::{write_atomically, write_text};
@@ -43,6 +44,12 @@ pub struct MatchArgs {
     /// Call a match ambiguous from this ratio to the next best on
     #[arg(long, value_name = "R", default_value_t = MatchParameters::default().ambiguity)]
     pub ambiguity: f64,
+    /// How much matches count that hold together: near each other on both shapes. 0: each region alone, as in the paper
+    #[arg(long, value_name = "W", default_value_t = MatchParameters::default().consistency)]
+    pub consistency: f64,
+    /// Let the whole second shape be matched as a mirror image, left to right, where that fits better
+    #[arg(long)]
+    pub allow_mirror: bool,
     /// Print JSON instead of a table
     #[arg(long)]
     pub json: bool,
@@ -60,13 +67,15 @@ pub struct MatchArgs {
 }
 
 pub fn run(args: &MatchArgs) -> Result<(), CliError> {
-    let parameters = MatchParameters {
+    let regions = MatchParameters {
         rule: args.rule,
         max_ratio: args.max_ratio,
         max_distance: args.max_distance,
         ambiguity: args.ambiguity,
+        consistency: args.consistency,
     };
-    parameters.validate().map_err(|e| CliError::Usage(format!("wrong parameter: {e}")))?;
+    regions.validate().map_err(|e| CliError::Usage(format!("wrong parameter: {e}")))?;
+    let parameters = MatchingParameters { regions, allow_mirror: args.allow_mirror };
     let (first, second) = (DescribedResult::load(&args.first)?, DescribedResult::load(&args.second)?);
     let mut matching = match_results(&first, &second, &parameters)?;
     if args.same_vertices {
@@ -130,9 +139,9 @@ fn table(matching: &Matching) -> String {
             let mirrored = optional(truth.mirrored_overlap, 2);
             let _ = write!(text, "  {:>7.2}  {mirrored:>8}  {:<10}", truth.overlap, truth.verdict);
         }
-        let note = match m.rival {
-            Some(rival) if m.symmetric => format!("or {rival}: left and right look alike"),
-            Some(rival) if m.ambiguous => format!("or {rival}: about as near"),
+        let note = match (m.or_twin, m.rival) {
+            (Some(twin), _) => format!("or {twin}: left and right look alike"),
+            (None, Some(rival)) if m.ambiguous => format!("or {rival}: about as near"),
             _ => String::new(),
         };
         let _ = writeln!(text, "  {note}");
@@ -140,14 +149,17 @@ fn table(matching: &Matching) -> String {
         text.push('\n');
     }
     let regions = matching.matches.len() + matching.unmatched.len();
-    let symmetric = matching.matches.iter().filter(|m| m.symmetric).count();
-    let ambiguous = matching.matches.iter().filter(|m| m.ambiguous).count() - symmetric;
+    let symmetric = matching.matches.iter().filter(|m| m.or_twin.is_some()).count();
+    let ambiguous = matching.matches.iter().filter(|m| m.ambiguous && m.or_twin.is_none()).count();
     let _ = writeln!(
         text,
         "{} of {regions} regions matched; {symmetric} could as well be their mirror image, {ambiguous} are \
          ambiguous otherwise",
         matching.matches.len(),
     );
+    if matching.mirrored {
+        text.push_str("the second shape is matched as a mirror image: that fits better\n");
+    }
     if let Some(p) = &matching.precision {
         let _ = writeln!(
             text,

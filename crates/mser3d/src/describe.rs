@@ -33,8 +33,9 @@ const PAIR_WEIGHT: f64 = 0.25;
 /// takes a time of `V^(2/d)` to cross a body of measure V). It depends on neither pose nor scale.
 ///
 /// Heat is the same on both sides of a body. [`Descriptor::SidedSiHks`] adds [`Sides::evidence`], in samples of the time axis
-/// too: the body's evidence times `0.5 samples_per_octave`, that of the region's pair times `0.25 samples_per_octave`. A
-/// sure side decides between twins, whose other numbers are equal. An unsure one is short, and changes little.
+/// too: the body's evidence times `0.5 samples_per_octave`, that of the region's pair times `0.25 samples_per_octave`, and
+/// before them how far the region is in the middle, times the root of the sum of both squares. A sure side decides between
+/// twins, whose other numbers are equal. An unsure one is short, and changes little.
 ///
 /// `basis` is that of `shape`, and elements of `regions` are numbered as there.
 ///
@@ -74,9 +75,11 @@ pub(crate) fn describe_with(
         Descriptor::SidedSiHks(_) => {
             let width = sides.evidence.width();
             let weigh = |row: &[f64]| {
-                let (body, pair) = row.split_at(width / 2);
+                let (middle, sided) = row.split_at(1);
+                let (body, pair) = sided.split_at(width / 2);
                 let weighed = |part: &[f64], w: f64| part.iter().map(|x| w * octave * x).collect::<Vec<_>>();
-                [weighed(body, BODY_WEIGHT), weighed(pair, PAIR_WEIGHT)].concat()
+                let of_middle = BODY_WEIGHT.hypot(PAIR_WEIGHT);
+                [weighed(middle, of_middle), weighed(body, BODY_WEIGHT), weighed(pair, PAIR_WEIGHT)].concat()
             };
             beside(&sized, width, sides.evidence.rows().map(weigh))?
         }

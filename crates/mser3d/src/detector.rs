@@ -181,9 +181,10 @@ impl<'a> Detector<'a> {
                 (region.twin, region.side) = (*twin, *side);
             }
             body.sidedness = sides.sidedness;
-            found.push(FoundOnBody { set, descriptors });
+            found.push(FoundOnBody { set, descriptors, cosines: sides.cosines });
         }
-        let Found { regions, descriptors, trees, duplicates } = Found::on_all(&shape, &bodies, found)?;
+        let Found { regions, descriptors, cosines, trees, duplicates } =
+            Found::on_all(&shape, &bodies, found)?;
         let seconds = clock.lap(Stage::Descriptors);
         tracing::info!(regions = regions.len(), seconds, "described regions");
         let mut features = Features {
@@ -196,6 +197,7 @@ impl<'a> Detector<'a> {
             bodies: searched,
             regions,
             descriptors,
+            cosines,
             trees,
             duplicates,
             partition: None,

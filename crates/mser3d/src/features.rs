@@ -1,4 +1,4 @@
-use mser3d_descriptors::Descriptors;
+use mser3d_descriptors::{Descriptors, RegionCosines};
 use mser3d_shape::{Eigenbasis, innermost_regions};
 use mser3d_spectral::SpectrumReport;
 use mser3d_voxelize::Voxelization;
@@ -24,6 +24,9 @@ pub struct Features {
     pub regions: Vec<Region>,
     /// A descriptor for each region, in the same order.
     pub descriptors: Descriptors,
+    /// How near the regions are to each other ([`Sides::cosines`](crate::Sides::cosines)), in the same order; 0 for those of
+    /// different bodies.
+    pub cosines: RegionCosines,
     /// One component tree for each time scale of each body, body by body, and what each filter cut.
     pub trees: Vec<Tree>,
     /// Regions dropped because another time scale had them too.
@@ -100,12 +103,14 @@ impl Features {
 pub(crate) struct FoundOnBody {
     pub set: RegionSet,
     pub descriptors: Descriptors,
+    pub cosines: RegionCosines,
 }
 
 /// The regions of a shape of one body or of several, with what belongs to them.
 pub(crate) struct Found {
     pub regions: Vec<Region>,
     pub descriptors: Descriptors,
+    pub cosines: RegionCosines,
     pub trees: Vec<Tree>,
     pub duplicates: usize,
 }
@@ -120,7 +125,10 @@ impl Found {
         let width = found.first().map_or(1, |first| first.descriptors.width());
         let (mut trees, mut duplicates) = (Vec::new(), 0);
         let mut rows: Vec<(Region, Vec<f64>)> = Vec::new();
-        for (body, (elements, FoundOnBody { set, descriptors })) in bodies.iter().zip(found).enumerate() {
+        let (mut first_regions, mut of_bodies) = (Vec::new(), Vec::new());
+        for (body, (elements, FoundOnBody { set, descriptors, cosines })) in
+            bodies.iter().zip(found).enumerate()
+        {
             let (first_tree, first_region) = (trees.len(), rows.len());
             for (mut region, row) in set.regions.into_iter().zip(descriptors.rows()) {
                 region.body = body;
@@ -135,6 +143,8 @@ impl Found {
             }
             trees.extend(set.trees.into_iter().map(|tree| Tree { body, ..tree }));
             duplicates += set.duplicates;
+            first_regions.push(first_region);
+            of_bodies.push(cosines);
         }
         let mut order: Vec<usize> = (0..rows.len()).collect();
         order.sort_by(|&a, &b| rows[b].0.volume.total_cmp(&rows[a].0.volume));
@@ -142,6 +152,13 @@ impl Found {
         order.iter().enumerate().for_each(|(to, &from)| place[from] = to);
         let values = order.iter().flat_map(|&from| rows[from].1.iter().copied()).collect();
         let descriptors = Descriptors::new(width, values)?;
+        let cosine = |&[a, b]: &[usize; 2]| {
+            let (body, other) = (rows[a].0.body, rows[b].0.body);
+            let number = |region: usize| region - first_regions[body];
+            if body == other { of_bodies[body].row(number(a))[number(b)] } else { 0.0 }
+        };
+        let pairs = order.iter().flat_map(|&a| order.iter().map(move |&b| [a, b]));
+        let cosines = RegionCosines::new(order.len(), pairs.map(|pair| cosine(&pair)).collect())?;
         let mut regions: Vec<(usize, Region)> = rows
             .into_iter()
             .zip(&place)
@@ -152,6 +169,6 @@ impl Found {
             .collect();
         regions.sort_by_key(|&(to, _)| to);
         let regions = regions.into_iter().map(|(_, region)| region).collect();
-        Ok(Self { regions, descriptors, trees, duplicates })
+        Ok(Self { regions, descriptors, cosines, trees, duplicates })
     }
 }

@@ -49,6 +49,14 @@ impl Descriptor {
             Self::Hks(_) => DescriptorKind::Hks,
         }
     }
+
+    /// The first of the numbers that change their sign in a mirror image; all after it do. None where none does.
+    pub fn first_mirrored(&self) -> Option<usize> {
+        match self {
+            Self::SidedSiHks(own) => Some(own.frequencies + 2),
+            Self::SizedSiHks(_) | Self::SiHks(_) | Self::Hks(_) => None,
+        }
+    }
 }
 
 impl From<DescriptorKind> for Descriptor {

@@ -29,6 +29,8 @@ impl Results {
         let descriptors = arrays.take("region_descriptor", numbers)?;
         let descriptor_width = descriptors.len().checked_div(regions).unwrap_or(0);
         arrays.length("region_descriptor", descriptors.len(), regions * descriptor_width)?;
+        let cosines = arrays.take("region_cosine", numbers)?;
+        arrays.length("region_cosine", cosines.len(), regions * regions)?;
         let (mut grid, mut region_voxels) = (None, vec![Vec::new(); regions]);
         if record.domain == Domain::Volume {
             let Some(own) = &record.grid else {
@@ -92,6 +94,7 @@ impl Results {
             eigenvalues,
             descriptor_width,
             descriptors,
+            cosines,
             trees,
         };
         if has_mesh { Ok(results) } else { results.with_voxel_surface() }

@@ -17,7 +17,7 @@ impl Results {
         results.region_voxels = members(&self.voxel_part, parts.len());
         (results.vertex_part, results.voxel_part) = (Vec::new(), Vec::new());
         results.trees = Vec::new();
-        (results.descriptors, results.descriptor_width) = (Vec::new(), 0);
+        (results.descriptors, results.descriptor_width, results.cosines) = (Vec::new(), 0, Vec::new());
         Ok(results)
     }
 }

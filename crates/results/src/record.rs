@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use crate::{FieldRecord, OrientedBox, VolumeRecord};
 
 /// The layout of `regions.json` and `features.npz` that this version writes and reads.
-pub const FORMAT: u32 = 3;
+pub const FORMAT: u32 = 4;
 
 /// What `regions.json` says: what was read, how it was treated, and what was found. Its JSON Schema is
 /// `docs/regions.schema.json`.

@@ -32,6 +32,8 @@ pub struct Results {
     pub descriptor_width: usize,
     /// A descriptor per region, row by row.
     pub descriptors: Vec<f64>,
+    /// How near each two regions are to each other, row by row: [`mser3d::Features::cosines`].
+    pub cosines: Vec<f64>,
     /// The nodes of the trees.
     pub trees: Vec<TreeArrays>,
 }
@@ -110,6 +112,7 @@ impl Results {
             eigenvalues: features.bodies.iter().map(|body| body.basis.eigenvalues().to_vec()).collect(),
             descriptor_width: features.descriptors.width(),
             descriptors: features.descriptors.values().to_vec(),
+            cosines: features.cosines.values().to_vec(),
             trees: trees.collect(),
         };
         if mesh.is_some() { Ok(results) } else { results.with_voxel_surface() }

@@ -84,6 +84,8 @@ impl Results {
             arrays.push((eigenvalues_name(body), NpyArray::flat(&eigenvalues[..])));
         }
         arrays.push(("region_descriptor".to_owned(), NpyArray::new(&shape, &self.descriptors[..])?));
+        let shape = [self.record.regions.len(); 2];
+        arrays.push(("region_cosine".to_owned(), NpyArray::new(&shape, &self.cosines[..])?));
         arrays.extend(self.tree_arrays());
         let arrays: Vec<(&str, NpyArray<'_>)> =
             arrays.iter().map(|(name, array)| (name.as_str(), array.clone())).collect();

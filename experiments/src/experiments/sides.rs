@@ -4,7 +4,7 @@ use std::error::Error;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use mser3d::descriptors::{Descriptors, SiHksParameters};
+use mser3d::descriptors::{Descriptors, MatchParameters, SiHksParameters, match_regions};
 use mser3d::spectral::SpectrumParameters;
 use mser3d::voxelize::VoxelizeParameters;
 use mser3d::{Descriptor, Parameters, Sidedness, Sides};
@@ -26,6 +26,9 @@ pub struct Arguments {
 /// At which overlap a region is found again.
 const FOUND: f64 = 0.8;
 
+/// Numbers in a row of the table.
+const COLUMNS: usize = 10;
+
 /// What was found on a shape.
 struct Found {
     regions: Vec<IndexSet>,
@@ -45,6 +48,8 @@ struct Sums {
     plain: f64,
     sided: f64,
     bound: f64,
+    /// All together, as `mser3d match` does it.
+    together: f64,
     /// The same where left and right may be exchanged.
     plain_mirrored: f64,
     sided_mirrored: f64,
@@ -56,7 +61,7 @@ struct Sums {
 /// Measures all sets, and writes the page.
 pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let mut rows = String::new();
-    let mut means: Vec<[f64; 8]> = Vec::new();
+    let mut means: Vec<[f64; COLUMNS]> = Vec::new();
     for set in arguments.sets.read()? {
         eprintln!("{}", set.name);
         let found = detect(&set, arguments.sets.voxels)?;
@@ -68,9 +73,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             all.found / all.pairs,
             all.plain / all.pairs,
             all.sided / all.pairs,
+            all.together / all.pairs,
             all.bound / all.pairs,
             all.right as f64 / all.twinned as f64,
             bodies.sided / bodies.pairs,
+            bodies.together / bodies.pairs,
             all.plain_mirrored / all.pairs,
             all.sided_mirrored / all.pairs,
         ];
@@ -93,7 +100,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn write_row(rows: &mut String, numbers: &[f64; 8]) -> std::fmt::Result {
+fn write_row(rows: &mut String, numbers: &[f64; COLUMNS]) -> std::fmt::Result {
     for number in numbers {
         match number.is_finite() {
             true => write!(rows, " {number:.3} |")?,
@@ -131,19 +138,30 @@ fn sums(set: &PoseSet, found: &[Found], counts: impl Fn(&Found) -> bool) -> Resu
             }
             let direct = Overlaps::direct(&set.null, &from.regions, &to.regions, &same)?;
             let either = Overlaps::new(&set.null, &from.regions, &to.regions, &same)?;
-            sums.add(from, to, &direct, &either);
+            sums.add(from, to, &direct, &either)?;
         }
     }
     Ok(sums)
 }
 
 impl Sums {
-    fn add(&mut self, from: &Found, to: &Found, direct: &Overlaps, either: &Overlaps) {
+    fn add(
+        &mut self,
+        from: &Found,
+        to: &Found,
+        direct: &Overlaps,
+        either: &Overlaps,
+    ) -> Result<(), Box<dyn Error>> {
         let count = to.regions.len();
         let share =
             |hit: &dyn Fn(usize) -> bool| (0..count).filter(|&r| hit(r)).count() as f64 / count.max(1) as f64;
         let plain: Vec<Option<usize>> = to.plain.rows().map(|row| nearest(row, &from.plain)).collect();
         let sided: Vec<Option<usize>> = to.sided.rows().map(|row| nearest(row, &from.sided)).collect();
+        let (queries, references) = ((&to.sided, &to.sides.cosines), (&from.sided, &from.sides.cosines));
+        let together: Vec<Option<usize>> = match_regions(queries, references, &MatchParameters::default())?
+            .iter()
+            .map(|m| Some(m.partner.reference))
+            .collect();
         let is =
             |overlaps: &Overlaps, r: usize, n: Option<usize>| n.is_some_and(|n| overlaps.get(r, n) > FOUND);
         let best =
@@ -152,6 +170,7 @@ impl Sums {
         self.found += share(&|r| is(direct, r, best(r)));
         self.plain += share(&|r| is(direct, r, plain[r]));
         self.sided += share(&|r| is(direct, r, sided[r]));
+        self.together += share(&|r| is(direct, r, together.get(r).copied().flatten()));
         self.bound += share(&|r| {
             let twin = plain[r].and_then(|n| from.sides.twins[n]);
             is(direct, r, plain[r]) || is(direct, r, twin)
@@ -164,6 +183,7 @@ impl Sums {
             self.twinned += 1;
             self.right += usize::from(far(right) < far(twin));
         }
+        Ok(())
     }
 }
 
@@ -186,15 +206,16 @@ symmetry is used, except in the last two columns. *Matched* means that the neare
 
 * *Bodies with sides*: on how many left and right can be told; the others are the same front and back as far as voxels
   show, or have no two regions that are mirror images.
-* *Without sides*: the descriptor `sized-si-hks`. *With sides*: the default, `sided-si-hks`. *If sides were known*: the
-  better of the nearest without sides and its twin.
+* *Without sides*: the descriptor `sized-si-hks`. *With sides*: the default, `sided-si-hks`. *Together*: by that, and so
+  that the matches hold together, as `mser3d match` does it. *If sides were known*: the better of the nearest without
+  sides and its twin.
 * *Side right*: of regions that are found again and have a twin on both shapes, the share that is nearer to the right one
   than to its twin.
-* *Bodies with sides only*: with sides, between those bodies.
+* *Bodies with sides only*: with sides, and together, between those bodies.
 * *Either side*: the better of the direct and the mirrored overlap counts, where the symmetry is known.
 
-| set | bodies with sides | found again | without sides | with sides | if sides were known | side right | bodies with sides only | either side, without sides | either side, with sides |
-|---|---|---|---|---|---|---|---|---|---|
+| set | bodies with sides | found again | without sides | with sides | together | if sides were known | side right | bodies with sides only | the same together | either side, without sides | either side, with sides |
+|---|---|---|---|---|---|---|---|---|---|---|---|
 {rows}"
     )
 }

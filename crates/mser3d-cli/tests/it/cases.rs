@@ -124,7 +124,7 @@ fn damaged_tables_and_results_of_other_versions_are_one_clear_message() {
     let folder = tempfile::tempdir().unwrap();
     let page = folder.path().join("p.html");
     let view = mser3d(["view".as_ref(), result.as_os_str(), "-o".as_ref(), page.as_os_str()]);
-    assert_fails(&view, 1, &["regions.json", "in format 1, this program reads format 3", "detect` again"]);
+    assert_fails(&view, 1, &["regions.json", "in format 1, this program reads format 4", "detect` again"]);
     fs::copy(table, folder.path().join("regions.parquet")).unwrap();
     let own = folder.path().join("own");
     let mesh = fixtures().join("human_rest.off");

@@ -222,7 +222,7 @@ fn regions_of_two_poses_match_up_to_symmetry() {
     let result: Value =
         serde_json::from_slice(&command.arg("match").args(&both).arg("--json").output().unwrap().stdout)
             .unwrap();
-    assert!(result["result"]["matches"].as_array().unwrap().iter().any(|m| m["symmetric"] == true));
+    assert!(result["result"]["matches"].as_array().unwrap().iter().any(|m| m["or_twin"].is_number()));
     let page = fs::read_to_string(folder.path().join("matches/matches.html")).unwrap();
     assert!(page.contains("<title>Regions of human_walk matched to human_rest</title>"));
     let csv = fs::read_to_string(folder.path().join("matches/matches.csv")).unwrap();
@@ -268,6 +268,56 @@ fn regions_of_two_poses_match_up_to_symmetry() {
 }
 
 #[test]
+fn a_mirror_image_is_matched_to_the_other_side_unless_that_is_allowed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let galloping = fixtures().join("quadruped_gallop.off");
+    let file = fs::read_to_string(&galloping).unwrap();
+    let vertices: usize = file.lines().nth(1).unwrap().split_whitespace().next().unwrap().parse().unwrap();
+    let mirrored = |(number, line): (usize, &str)| {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        match (number, &words[..]) {
+            (0 | 1, _) => line.to_owned(),
+            (n, [x, y, z]) if n < vertices + 2 => format!("{} {y} {z}", -x.parse::<f64>().unwrap()),
+            (_, [three, a, b, c]) => format!("{three} {a} {c} {b}"),
+            _ => panic!("{line}"),
+        }
+    };
+    let image: Vec<String> = file.lines().enumerate().map(mirrored).collect();
+    fs::write(path("image.off"), image.join("\n")).unwrap();
+    let options = "--voxels 6000 --eigenpairs 60 --reliability 0 --quiet";
+    regions(&galloping, &path("a"), options);
+    regions(&path("image.off"), &path("b"), options);
+    let matched = |more: &[&str]| -> Value {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_mser3d"));
+        command.arg("match").args([path("a"), path("b")]).args(["--same-vertices", "--json"]).args(more);
+        serde_json::from_slice(&command.output().unwrap().stdout).unwrap()
+    };
+    let record: Value =
+        serde_json::from_str(&fs::read_to_string(path("a").join("regions.json")).unwrap()).unwrap();
+    assert_eq!(record["bodies"][0]["sidedness"]["kind"], "sided");
+    // The image has the same regions with the same numbers, but what was left is right.
+    let strict = matched(&[]);
+    assert_eq!(strict["result"]["mirrored"], false);
+    let count = record["regions"].as_array().unwrap().len();
+    let side =
+        |region: &Value| record["regions"][region.as_u64().unwrap() as usize]["side"].as_f64().unwrap();
+    let mut swapped = 0;
+    for m in strict["result"]["matches"].as_array().unwrap() {
+        let (own, of_partner) = (side(&m["region"]), side(&m["partner"]));
+        assert!(
+            m["or_twin"].is_null() && (own.abs() < 1.0 || own * of_partner < -0.5),
+            "{own} {of_partner} {m}"
+        );
+        swapped += usize::from(own.abs() == 1.0);
+    }
+    assert!(swapped >= 8, "{swapped} of {count}");
+    let allowed = matched(&["--allow-mirror"]);
+    assert_eq!(allowed["result"]["mirrored"], true);
+    assert_eq!(allowed["result"]["precision"]["right"], count);
+}
+
+#[test]
 fn what_cannot_be_compared_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
@@ -285,7 +335,7 @@ fn what_cannot_be_compared_is_refused() {
     assert_fails(&run("query", "empty", "a"), 1, &["no collection", "mser3d batch"]);
     let regions = path("b").join("regions.json");
     let record = fs::read_to_string(&regions).unwrap();
-    fs::write(&regions, record.replacen("\"format\": 3", "\"format\": 77", 1)).unwrap();
+    fs::write(&regions, record.replacen("\"format\": 4", "\"format\": 77", 1)).unwrap();
     assert_fails(&run("match", "a", "b"), 1, &["format 77", "detect` again"]);
     let output = batch_command(&[path("empty")], &path("c"), "").output().unwrap();
     assert_fails(&output, 1, &["no meshes and no volumes in this folder"]);

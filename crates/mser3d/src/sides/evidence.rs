@@ -3,7 +3,7 @@
 use mser3d_descriptors::Chirality;
 
 use super::relative::{Place, Places};
-use super::twins::{normalize, product};
+use super::vectors::{normalize, product};
 use crate::Region;
 
 /// The correlation with pseudo-scalar fields, in the root mean square, at which sides are as likely as not an accident of
@@ -28,10 +28,14 @@ pub(super) struct Evidence {
 }
 
 impl Evidence {
-    /// What a region at this place adds to its descriptor, without weights.
+    /// What a region at this place adds to its descriptor, without weights: how far it is in the middle, the evidence of the
+    /// body and that of the pair. All rows of a body are equally long, so that none is nearer to those of a body that
+    /// is less sure.
     pub fn row(&self, place: Place) -> impl Iterator<Item = f64> {
+        let middle = self.certainty * (1.0 - place.side * place.side).max(0.0).sqrt();
         let factor = self.certainty * place.side;
-        self.body.iter().chain(&self.pairs[place.pair]).map(move |x| factor * x)
+        let sided = self.body.iter().chain(&self.pairs[place.pair]).map(move |x| factor * x);
+        std::iter::once(middle).chain(sided)
     }
 }
 

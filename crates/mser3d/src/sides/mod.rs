@@ -6,19 +6,24 @@
 //!    all pairs of the body, and one of each pair alone.
 
 mod evidence;
-mod means;
 mod relative;
 mod twins;
+mod vectors;
 
 use mser3d_descriptors::{
-    ChiralityParameters, Descriptors, chirality_of_solid, chirality_of_surface, zero_modes,
+    ChiralityParameters, DescriptorError, Descriptors, RegionCosines, chirality_of_solid,
+    chirality_of_surface, zero_modes,
 };
 use mser3d_shape::{Domain, Eigenbasis};
 
 use crate::{DiscreteShape, Elements, Error, Region};
+use vectors::{embed, product};
 
 /// How long heat smooths what is compared, over the unit of time: its evidence is gathered over a limb and what is near.
 const SMOOTHING: f64 = 0.1;
+
+/// How long heat flows between regions when their places are compared, over the unit of time.
+const NEARNESS: f64 = 0.3;
 
 /// Whether a body has a left and a right.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -65,11 +70,13 @@ pub struct Sides {
     pub sides: Vec<Option<f64>>,
     /// Whether the body has sides.
     pub sidedness: Sidedness,
-    /// A row for each region: its place between the sides times the direction of the body's evidence, and of its own
-    /// pair's. The scalar product of two regions' rows is positive if they are on the same side of their bodies. Lengths
-    /// are at most the body's certainty; regions in the middle have zeros. [`crate::Descriptor::SidedSiHks`] has these
-    /// numbers, weighed.
+    /// A row for each region: `sqrt(1 - side^2)`, how far it is in the middle; then the direction of the body's evidence
+    /// and that of its own pair's, both times `side`; all times the body's certainty. Without the first number the scalar
+    /// product of two regions' rows is positive if they are on the same side of their bodies.
+    /// [`crate::Descriptor::SidedSiHks`] has these numbers, weighed.
     pub evidence: Descriptors,
+    /// How near the regions are to each other, by the heat that flows between them in 0.3 units of time.
+    pub cosines: RegionCosines,
 }
 
 /// Finds left and right of the regions of one body.
@@ -84,10 +91,10 @@ pub(crate) fn find_sides(
     samples_per_octave: f64,
     unit_time: f64,
 ) -> Result<Sides, Error> {
-    let means = means::region_means(basis, regions);
+    let means = vectors::region_means(basis, regions);
     let zero = zero_modes(basis);
-    let pairs =
-        twins::twins(regions, descriptors, &means, basis.eigenvalues(), zero, samples_per_octave, unit_time);
+    let cosines = cosines(&means, basis.eigenvalues(), zero, NEARNESS * unit_time)?;
+    let pairs = twins::twins(regions, descriptors, &cosines, samples_per_octave);
     let mut twins = vec![None; regions.len()];
     for &[a, b] in &pairs {
         (twins[a], twins[b]) = (Some(b), Some(a));
@@ -97,9 +104,11 @@ pub(crate) fn find_sides(
         Domain::Volume => params.fields_of_solid(),
         Domain::Surface => params.fields_of_surface(),
     };
+    let width = 1 + 2 * fields;
     let none = |sidedness| -> Result<Sides, Error> {
-        let evidence = Descriptors::new(2 * fields, vec![0.0; 2 * fields * regions.len()])?;
-        Ok(Sides { twins: twins.clone(), sides: vec![None; regions.len()], sidedness, evidence })
+        let evidence = Descriptors::new(width, vec![0.0; width * regions.len()])?;
+        let (twins, cosines) = (twins.clone(), cosines.clone());
+        Ok(Sides { twins, sides: vec![None; regions.len()], sidedness, evidence, cosines })
     };
     if pairs.is_empty() || zero >= basis.eigenvalues().len() {
         return none(Sidedness::NoTwins);
@@ -119,6 +128,21 @@ pub(crate) fn find_sides(
         twins,
         sides: places.of_regions.iter().map(side).collect(),
         sidedness: if sided { Sidedness::Sided { certainty } } else { Sidedness::Alike { certainty } },
-        evidence: Descriptors::new(2 * fields, rows)?,
+        evidence: Descriptors::new(width, rows)?,
+        cosines,
     })
+}
+
+/// The cosines of the heat that flows out of regions in a time: of the means of eigenfunctions, without the zero modes.
+fn cosines(
+    means: &[Vec<f64>],
+    eigenvalues: &[f64],
+    zero_modes: usize,
+    time: f64,
+) -> Result<RegionCosines, DescriptorError> {
+    let weight = |(i, l): (usize, &f64)| if i < zero_modes { 0.0 } else { (-0.5 * time * l).exp() };
+    let weights: Vec<f64> = eigenvalues.iter().enumerate().map(weight).collect();
+    let vectors: Vec<Vec<f64>> = means.iter().map(|mean| embed(mean, &weights)).collect();
+    let values = vectors.iter().flat_map(|a| vectors.iter().map(move |b| product(a, b))).collect();
+    RegionCosines::new(means.len(), values)
 }

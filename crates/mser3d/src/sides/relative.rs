@@ -1,6 +1,6 @@
 //! Which members of twins are on the same side of the body.
 
-use super::twins::{embed, normalize, product};
+use super::vectors::{embed, normalize, product};
 
 /// A region's place between the sides.
 #[derive(Clone, Copy)]

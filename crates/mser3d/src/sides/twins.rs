@@ -1,6 +1,6 @@
 //! Which regions are each other's mirror images.
 
-use mser3d_descriptors::Descriptors;
+use mser3d_descriptors::{Descriptors, RegionCosines};
 
 use crate::Region;
 
@@ -17,23 +17,17 @@ const EQUAL_DISTANCE: f64 = 0.75 / 16.0;
 /// Twins lie alike towards what has no twin: the largest root mean square difference of their cosines.
 const LIKE_PLACE: f64 = 0.3;
 
-/// How long heat flows between regions when their places are compared, over the unit of time.
-const TIME: f64 = 0.3;
-
 /// The pairs of regions that are each other's mirror images, the first member of each before the second, in ascending order.
 ///
 /// A region is in at most one pair: with the one that is nearest in descriptor space of all that are apart from it and of
 /// like volume, if it is the nearest of that one too. Left and right forelegs may be less alike than those and the hind
 /// legs. So both must also lie alike towards the regions that have no partner in question, such as head and
-/// trunk: by the cosine of the diffusion vectors ([`embed`]).
+/// trunk, by the cosines.
 pub(super) fn twins(
     regions: &[Region],
     descriptors: &Descriptors,
-    means: &[Vec<f64>],
-    eigenvalues: &[f64],
-    zero_modes: usize,
+    cosines: &RegionCosines,
     samples_per_octave: f64,
-    unit_time: f64,
 ) -> Vec<[usize; 2]> {
     let count = regions.len();
     let mut distances = vec![None; count * count];
@@ -52,17 +46,11 @@ pub(super) fn twins(
     let alone =
         |a: usize, distances: &[Option<f64>]| distances[a * count..][..count].iter().all(Option::is_none);
     let middle: Vec<usize> = (0..count).filter(|&a| alone(a, &distances)).collect();
-    let weights: Vec<f64> = eigenvalues
-        .iter()
-        .enumerate()
-        .map(|(i, l)| if i < zero_modes { 0.0 } else { (-0.5 * TIME * unit_time * l).exp() })
-        .collect();
-    let places: Vec<Vec<f64>> = means.iter().map(|mean| embed(mean, &weights)).collect();
     let volume: f64 = middle.iter().map(|&m| regions[m].volume).sum();
     for a in 0..count {
         for b in a + 1..count {
             let square = |&m: &usize| {
-                let differ = product(&places[a], &places[m]) - product(&places[b], &places[m]);
+                let differ = cosines.row(a)[m] - cosines.row(b)[m];
                 regions[m].volume * differ * differ
             };
             let differ = (middle.iter().map(square).sum::<f64>() / volume.max(f64::MIN_POSITIVE)).sqrt();
@@ -100,26 +88,6 @@ fn pairs(
             !(0..count).any(|third| third != a && third != b && equal(third))
         })
         .collect()
-}
-
-/// The diffusion vector of a region: the means of the eigenfunctions times these weights, of length 1. The scalar product
-/// of two is the cosine of the angle between the heat that flows out of them.
-pub(super) fn embed(mean: &[f64], weights: &[f64]) -> Vec<f64> {
-    let mut vector: Vec<f64> = mean.iter().zip(weights).map(|(x, w)| x * w).collect();
-    normalize(&mut vector);
-    vector
-}
-
-/// Scales a vector to length 1; the zero vector stays zero.
-pub(super) fn normalize(vector: &mut [f64]) {
-    let length = product(vector, vector).sqrt();
-    if length > 0.0 {
-        vector.iter_mut().for_each(|x| *x /= length);
-    }
-}
-
-pub(super) fn product(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 /// Whether two regions have no element in common; both lists ascend.
