@@ -7,7 +7,7 @@ use mser3d::shape::TriangleMesh;
 use mser3d::voxelize::Pitch;
 use mser3d::{Detector, Input, Parameters};
 use mser3d_meshio::{ReadOptions, read_mesh};
-use mser3d_results::{RegionPair, RenderOptions, Results, Up};
+use mser3d_results::{FORMAT, RegionPair, RenderOptions, Results, Up};
 
 fn dumbbell() -> TriangleMesh {
     crate::example::dumbbell().unwrap()
@@ -143,7 +143,7 @@ fn what_is_wrong_with_a_folder_is_said() {
     let json = folder.path().join("regions.json");
     let good = std::fs::read_to_string(&json).unwrap();
     std::fs::write(&json, good.replacen("\"format\": 3", "\"format\": 7", 1)).unwrap();
-    assert!(error(folder.path()).contains("in format 7, this program reads format 3"));
+    assert!(error(folder.path()).contains(&format!("in format 7, this program reads format {FORMAT}")));
     std::fs::write(&json, &good[..good.len() / 2]).unwrap();
     assert!(error(folder.path()).contains("regions.json: EOF"));
     std::fs::write(&json, good.replacen("\"tree\": ", "\"tree\": 9", 1)).unwrap();
