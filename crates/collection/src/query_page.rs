@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use mser3d_results::{Image, RenderOptions, Results, Up};
+use mser3d_results::{Image, RenderOptions, Results, Up, side_text};
 use mser3d_viewer::{Gallery, GalleryPicture, GalleryRow, NO_REGION, Rgb, gallery};
 
 use crate::{CollectionError, DescribedResult, Index, RegionHits};
@@ -47,18 +47,28 @@ impl Index {
             drawn.insert(name, results.region_pictures(&pictures, &options)?.into_iter());
         }
 
-        let percent = |fraction: f64| format!("{:.1} %", 100.0 * fraction);
+        let numbers = |fraction: f64, side: Option<f64>| {
+            let side = side.map_or(String::new(), |side| format!(", side {}", side_text(side)));
+            format!("{:.1} %{side}", 100.0 * fraction)
+        };
         let mut rows = Vec::with_capacity(found.len());
         for (RegionHits { region, closest }, image) in found.iter().zip(own) {
-            let fraction = shape.results.record.regions[*region as usize].volume_fraction;
-            let subject =
-                GalleryPicture { image, label: format!("Region {region}"), numbers: percent(fraction) };
+            let own = &shape.results.record.regions[*region as usize];
+            let subject = GalleryPicture {
+                image,
+                label: format!("Region {region}"),
+                numbers: numbers(own.volume_fraction, own.side),
+            };
             // The pictures come back in the order in which they were asked for.
             let others = closest.iter().filter_map(|hit| {
                 Some(GalleryPicture {
                     image: drawn.get_mut(hit.shape.as_str())?.next()?,
                     label: format!("{}, region {}", hit.shape, hit.region),
-                    numbers: format!("distance {:.4}, {}", hit.distance, percent(hit.volume_fraction)),
+                    numbers: format!(
+                        "distance {:.4}, {}",
+                        hit.distance,
+                        numbers(hit.volume_fraction, hit.side)
+                    ),
                 })
             });
             rows.push(GalleryRow { subject, others: others.collect() });

@@ -39,5 +39,12 @@ function show(x) {
   return size >= 1e5 || size < 1e-3 ? x.toExponential(3) : String(Number(x.toPrecision(4)));
 }
 
+// A side with its sign; the middle has none of its own.
+function showSide(x) {
+  if (x === null) return "–";
+  const text = x.toFixed(2);
+  return x > 0 && Number(text) !== 0 ? `+${text}` : text.replace("-0.00", "0.00");
+}
+
 const percent = (x) => `${show(100 * x)} %`;
 const css = (c) => `rgb(${c[0]}, ${c[1]}, ${c[2]})`;
