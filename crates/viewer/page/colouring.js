@@ -76,7 +76,7 @@ function paint(colours, shape, kind, look) {
   const faded = plain.map((c) => mix(c, WHITE, 0.75));
   const sets = (ids) => ids.map((id) => [shape.regions[id][`${kind}Set`], plain[id + 1]]);
   const chosen = sets(look.chosen);
-  const lit = [...chosen, ...sets(look.twins).map(([set, colour]) => [set, mix(colour, WHITE, 0.4)])];
+  const lit = [...chosen, ...sets(look.twins).map(([set, colour]) => [set, mix(colour, WHITE, 0.5)])];
   const hovered = sets(look.hovered);
   for (let i = 0; i < count; i++) {
     const inside = lit.find(([set]) => hasBit(set, i));

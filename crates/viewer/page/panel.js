@@ -29,7 +29,7 @@ class Panel {
     this.rows = data.shapes.map((shape, s) => {
       const rows = shape.regions.map((region, id) => this.row(shape, s, region, id, actions));
       const own = [data.matches.length && "match", this.twins && "twin", this.sides && "side"].filter(Boolean);
-      const heads = ["id", ...own, "volume", "reliability", "stability", "altitude"];
+      const heads = ["id", ...own, "volume", "reliability", ...(data.matches.length ? [] : ["stability"])];
       const head = heads.map((name) => element("th", { scope: "col" }, name));
       const table = element("table", {}, element("thead", {}, element("tr", {}, ...head)));
       if (data.shapes.length > 1) table.prepend(element("caption", {}, shape.name));
@@ -59,11 +59,11 @@ class Panel {
     const button = element("button", { type: "button", "aria-label": `Region ${id} of ${shape.name}` }, String(id));
     const cells = [
       element("td", {}, swatch(region.colour), button),
-      element("td", {}, percent(region.fraction)),
-      element("td", {}, show(region.reliability)),
-      element("td", {}, show(region.stability)),
-      element("td", {}, show(region.altitude)),
+      element("td", {}, percent(region.fraction, 3)),
+      element("td", {}, show(region.reliability, 2)),
     ];
+    // Beside matches there is no room for it; above the table stand all numbers of the region that is chosen.
+    if (!this.data.matches.length) cells.push(element("td", {}, show(region.stability, 3)));
     if (this.sides) cells.splice(1, 0, element("td", {}, showSide(region.side)));
     if (this.twins) cells.splice(1, 0, element("td", {}, region.twin === null ? "–" : this.link(s, region.twin, String(region.twin))));
     if (this.data.matches.length) {
