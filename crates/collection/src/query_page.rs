@@ -73,12 +73,18 @@ impl Index {
             });
             rows.push(GalleryRow { subject, others: others.collect() });
         }
+        let of_hits = found.iter().flat_map(|hits| hits.closest.iter().map(|hit| hit.side));
+        let mut sides = shape.results.record.regions.iter().map(|region| region.side).chain(of_hits);
+        let words = match sides.any(|side| side.is_some()) {
+            true => " The side runs from -1 on one side of the body to +1 on the other.",
+            false => "",
+        };
         let pictures = rows.iter().map(|row| 1 + row.others.len()).sum();
         let html = gallery(&Gallery {
             title: format!("Regions like those of {}", shape.results.name()),
             lead: format!(
                 "Left, a region and its share of the {}; beside it, the regions of the collection \"{}\" whose \
-                 descriptors are closest to its, nearest first, of {} searched.",
+                 descriptors are closest to its, nearest first, of {} searched.{words}",
                 match shape.results.domain() {
                     mser3d::Domain::Volume => "volume",
                     mser3d::Domain::Surface => "area",

@@ -28,10 +28,10 @@ pub fn left_and_right(sidedness: Sidedness) -> Option<String> {
     }
 }
 
-/// A side with its sign, to two digits.
+/// A side with its sign, to two digits; the middle has none.
 pub fn side_text(side: f64) -> String {
-    // Adding zero takes the sign of what is rounded to -0.
-    format!("{:+.2}", (100.0 * side).round() / 100.0 + 0.0)
+    let rounded = (100.0 * side).round() / 100.0;
+    if rounded == 0.0 { "0.00".to_owned() } else { format!("{rounded:+.2}") }
 }
 
 #[cfg(test)]
@@ -51,7 +51,7 @@ mod tests {
     }
 
     #[test]
-    fn the_middle_has_no_sign_of_its_own() {
-        assert_eq!([1.0, -0.976, -0.001, 0.0].map(side_text), ["+1.00", "-0.98", "+0.00", "+0.00"]);
+    fn the_middle_has_no_sign() {
+        assert_eq!([1.0, -0.976, -0.001, 0.0].map(side_text), ["+1.00", "-0.98", "0.00", "0.00"]);
     }
 }

@@ -39,7 +39,7 @@ function show(x, digits = 4) {
   return size >= 1e5 || size < 1e-3 ? x.toExponential(digits - 1) : String(Number(x.toPrecision(digits)));
 }
 
-// A side with its sign; the middle has none of its own.
+// A side with its sign; the middle has none.
 function showSide(x) {
   if (x === null) return "–";
   const text = x.toFixed(2);
