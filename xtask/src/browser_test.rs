@@ -57,9 +57,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     write(&pair, html.as_bytes())?;
 
     let mut browser = Browser::start(&program, &SOFTWARE_GL)?;
-    let tests: [(&str, fn(&mut Session<'_>) -> Result<(), String>); 7] = [
+    let tests: [(&str, fn(&mut Session<'_>) -> Result<(), String>); 8] = [
         ("the first picture comes soon, and shows the regions' colours", shows_regions),
         ("a click on an arm shows the arm's numbers", arm_shows_its_numbers),
+        ("an arm's twin is seen faintly, and a click on its name chooses it", twin_is_seen_and_chosen),
         ("the tree is a picture to choose from, and a slider raises its level", tree_and_slider_work),
         ("everything works by keyboard", works_by_keyboard),
         ("a cut shows the inside, and its regions", cut_shows_the_inside),
@@ -201,6 +202,34 @@ fn arm_shows_its_numbers(session: &mut Session<'_>) -> Result<(), String> {
     session.browser.click(place)?;
     session.browser.evaluate("document.querySelector('#details .link').click()")?;
     session.expect_details(parent as usize)
+}
+
+fn twin_is_seen_and_chosen(session: &mut Session<'_>) -> Result<(), String> {
+    session.load("figure.html")?;
+    session.browser.press("1")?;
+    let (place, region) = session.arm(0, 1)?;
+    let twin = session.results.record.regions[region].twin.ok_or("the arm has no twin")? as usize;
+    session.browser.click(place)?;
+    session.shot("twin.png")?;
+    let rows = "[...document.querySelectorAll('#tables tbody tr')]";
+    let lit = format!("{rows}.flatMap((row, id) => row.classList.contains('twin') ? [id] : [])");
+    let lit = session.browser.evaluate(&lit)?;
+    if lit != serde_json::json!([twin]) {
+        return Err(format!("rows {lit} are marked as twins of region {region}, not {twin}"));
+    }
+    // In the table, in the panel, and back: a choice is another region, not none.
+    session.browser.evaluate(&format!("{rows}[{region}].querySelector('.link').click()"))?;
+    session.expect_details(twin)?;
+    let name = format!("document.querySelector('#details [aria-label=\"Region {region}\"]').click()");
+    session.browser.evaluate(&name)?;
+    session.expect_details(region)?;
+    let heads = session.browser.text("#tables thead")?;
+    let told = session.browser.text("#tables")?;
+    let sided = session.results.record.regions[region].side.is_some();
+    if !heads.contains("twin") || heads.contains("side") != sided || !told.contains("mirror image") {
+        return Err(format!("the table is headed {heads:?} and says {told:?}"));
+    }
+    Ok(())
 }
 
 fn tree_and_slider_work(session: &mut Session<'_>) -> Result<(), String> {

@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use mser3d_fileio::write_text;
-use mser3d_results::{BodyRecord, LabelMap, OrientedBox, Record, Results, write_landmarks};
+use mser3d_results::{
+    BodyRecord, LabelMap, OrientedBox, Record, Results, sidedness_certainty, sidedness_kind, write_landmarks,
+};
 
 use crate::folder::result_names;
 use crate::job::SkippedLabel;
@@ -27,10 +29,12 @@ pub(crate) fn write(
         return Ok(());
     }
     let mut labels = Csv::new(
-        "path,volume_number,label,name,status,shape,voxels,volume,x,y,z,components,searched_volume,regions,problem",
+        "path,volume_number,label,name,status,shape,voxels,volume,x,y,z,components,searched_volume,regions,sidedness,\
+         sidedness_certainty,problem",
     );
     for (name, record, body) in &labelled {
         let searched = record.measure().unwrap_or(body.volume);
+        let sidedness = record.bodies.first().map(|body| body.sidedness);
         labels.row([
             text(&record.input.path),
             body.volume_number.to_string(),
@@ -44,23 +48,25 @@ pub(crate) fn write(
             body.components.to_string(),
             searched.to_string(),
             record.regions.len().to_string(),
+            sidedness.map_or(String::new(), |s| sidedness_kind(s).to_owned()),
+            optional(sidedness.and_then(sidedness_certainty)),
             text(&record.warnings.join("; ")),
         ]);
     }
     for failure in failed {
         let label = optional(failure.label);
         let [path, shape, error] = [&failure.path, &failure.name, &failure.error].map(|t| text(t));
-        labels.line(&format!("{path},,{label},,failed,{shape},,,,,,,,,{error}"));
+        labels.line(&format!("{path},,{label},,failed,{shape},,,,,,,,,,,{error}"));
     }
     for SkippedLabel { path, volume, label, name, voxels } in skipped {
         let (path, name) = (text(path), text(name.as_deref().unwrap_or_default()));
-        labels.line(&format!("{path},{volume},{label},{name},too small,,{voxels},,,,,,,0,"));
+        labels.line(&format!("{path},{volume},{label},{name},too small,,{voxels},,,,,,,0,,,"));
     }
     write_text(&folder.join(LABELS), &labels.0)?;
 
     let mut regions = Csv::new(
-        "map_value,path,volume_number,label,name,shape,region,parent,reliability,voxels,volume,volume_fraction,x,y,z,tip_x,tip_y,tip_z,\
-         box_x,box_y,box_z,box_size_1,box_size_2,box_size_3,axis_1_x,axis_1_y,axis_1_z,axis_2_x,axis_2_y,axis_2_z,\
+        "map_value,path,volume_number,label,name,shape,region,parent,reliability,twin,side,voxels,volume,\
+         volume_fraction,x,y,z,tip_x,tip_y,tip_z,box_x,box_y,box_z,box_size_1,box_size_2,box_size_3,axis_1_x,axis_1_y,axis_1_z,axis_2_x,axis_2_y,axis_2_z,\
          axis_3_x,axis_3_y,axis_3_z",
     );
     let mut map_value = 0;
@@ -78,6 +84,8 @@ pub(crate) fn write(
                 region.id.to_string(),
                 optional(region.parent),
                 optional(region.reliability),
+                optional(region.twin),
+                optional(region.side),
                 optional(region.voxels),
                 region.volume.to_string(),
                 region.volume_fraction.to_string(),

@@ -177,8 +177,32 @@ impl Table {
         self.column::<DoubleType>(name)
     }
 
+    /// A column that may lack values.
+    pub fn optional_integers(&self, name: &str) -> Result<Vec<Option<i32>>, CollectionError> {
+        self.optional::<Int32Type>(name)
+    }
+
+    /// A column that may lack values.
+    pub fn optional_numbers(&self, name: &str) -> Result<Vec<Option<f64>>, CollectionError> {
+        self.optional::<DoubleType>(name)
+    }
+
+    fn optional<T: DataType>(&self, name: &str) -> Result<Vec<Option<T::T>>, CollectionError> {
+        let (values, present) = self.column_with_presence::<T>(name)?;
+        let mut values = values.into_iter();
+        Ok(present.into_iter().map(|level| if level > 0 { values.next() } else { None }).collect())
+    }
+
     /// All values that are present.
     fn column<T: DataType>(&self, name: &str) -> Result<Vec<T::T>, CollectionError> {
+        Ok(self.column_with_presence::<T>(name)?.0)
+    }
+
+    /// All values that are present; and for each row of a column that may lack some, 1 where it has one, else 0.
+    fn column_with_presence<T: DataType>(
+        &self,
+        name: &str,
+    ) -> Result<(Vec<T::T>, Vec<i16>), CollectionError> {
         let fail = table_error(&self.path);
         let schema = self.file.metadata().file_metadata().schema_descr();
         let found = schema.columns().iter().position(|c| c.path().parts().first().is_some_and(|p| p == name));
@@ -188,12 +212,11 @@ impl Table {
                 "there is no column {name} of the right type; run `mser3d batch` again"
             ))));
         };
-        let mut values = Vec::new();
+        let (mut values, mut definition, mut repetition) = (Vec::new(), Vec::new(), Vec::new());
         for group in 0..self.file.num_row_groups() {
             let rows = self.file.get_row_group(group).map_err(&fail)?;
             let reader = rows.get_column_reader(at).map_err(&fail)?;
             let mut reader = parquet::column::reader::get_typed_column_reader::<T>(reader);
-            let (mut definition, mut repetition) = (Vec::new(), Vec::new());
             loop {
                 let (records, _, _) = reader
                     .read_records(1 << 16, Some(&mut definition), Some(&mut repetition), &mut values)
@@ -203,7 +226,7 @@ impl Table {
                 }
             }
         }
-        Ok(values)
+        Ok((values, definition))
     }
 }
 
@@ -234,6 +257,8 @@ mod tests {
         assert_eq!(table.texts("maybe").unwrap(), ["x"]);
         assert_eq!(table.integers("id").unwrap(), [3, -1, 0]);
         assert_eq!(table.integers("parent").unwrap(), [7, 8]);
+        assert_eq!(table.optional_integers("parent").unwrap(), [Some(7), None, Some(8)]);
+        assert_eq!(table.optional_numbers("time").unwrap(), [None, None, Some(2.5)]);
         assert_eq!(table.numbers("volume").unwrap(), [0.1, f64::INFINITY, -0.0]);
         assert_eq!(table.numbers("time").unwrap(), [2.5]);
         assert_eq!(table.numbers("descriptor").unwrap(), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);

@@ -16,6 +16,8 @@ pub struct Index {
     shapes: Vec<String>,
     regions: Vec<u32>,
     fractions: Vec<f64>,
+    twins: Vec<Option<u32>>,
+    sides: Vec<Option<f64>>,
     descriptors: Descriptors,
 }
 
@@ -29,6 +31,10 @@ pub struct Hit {
     pub region: u32,
     /// Its volume over that of the shape.
     pub volume_fraction: f64,
+    /// Its mirror image on its shape.
+    pub twin: Option<u32>,
+    /// On which side of its body it is, from -1 to 1; none where the body has no sides.
+    pub side: Option<f64>,
     /// Euclidean distance of the descriptors.
     pub distance: f64,
 }
@@ -92,9 +98,11 @@ impl Index {
         })?;
         let (shapes, regions) = (table.texts("shape")?, table.integers("region")?);
         let (fractions, values) = (table.numbers("volume_fraction")?, table.numbers("descriptor")?);
+        let (twins, sides) = (table.optional_integers("twin")?, table.optional_numbers("side")?);
         let rows = table.rows();
         let width = values.len() / rows;
-        if [shapes.len(), regions.len(), fractions.len()] != [rows; 3] || width * rows != values.len() {
+        let lengths = [shapes.len(), regions.len(), fractions.len(), twins.len(), sides.len()];
+        if lengths != [rows; 5] || width * rows != values.len() {
             return Err(broken("its columns differ in length; run `mser3d batch` again".into()));
         }
         // Rows of NaN are of shapes that cannot be compared.
@@ -103,8 +111,19 @@ impl Index {
         let shapes = kept.iter().map(|&row| shapes[row].clone()).collect();
         let regions = kept.iter().map(|&row| regions[row] as u32).collect();
         let fractions = kept.iter().map(|&row| fractions[row]).collect();
+        let twins = kept.iter().map(|&row| twins[row].map(|twin| twin as u32)).collect();
+        let sides = kept.iter().map(|&row| sides[row]).collect();
         let descriptors = Descriptors::new(width, values)?;
-        Ok(Self { folder: folder.to_owned(), settings, shapes, regions, fractions, descriptors })
+        Ok(Self {
+            folder: folder.to_owned(),
+            settings,
+            shapes,
+            regions,
+            fractions,
+            twins,
+            sides,
+            descriptors,
+        })
     }
 
     pub(crate) fn folder(&self) -> &Path {
@@ -179,6 +198,8 @@ impl Index {
             shape: self.shapes[number].clone(),
             region: self.regions[number],
             volume_fraction: self.fractions[number],
+            twin: self.twins[number],
+            side: self.sides[number],
             distance: distance.sqrt(),
         };
         best.into_iter().map(hit).collect()
@@ -208,6 +229,8 @@ mod tests {
             shapes: (0..rows).map(|i| format!("shape{:05}", i / 20)).collect(),
             regions: (0..rows).map(|i| i as u32 % 20).collect(),
             fractions: vec![0.1; rows],
+            twins: vec![None; rows],
+            sides: vec![None; rows],
             descriptors: Descriptors::new(6, (0..6 * rows).map(|_| random()).collect()).unwrap(),
         }
     }

@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use mser3d_results::{Image, RenderOptions, Results, Up};
+use mser3d_results::{Image, RenderOptions, Results, Up, side_text};
 use mser3d_viewer::{Gallery, GalleryPicture, GalleryRow, NO_REGION, Rgb, gallery};
 
 use crate::{CollectionError, DescribedResult, Index, RegionHits};
@@ -47,28 +47,44 @@ impl Index {
             drawn.insert(name, results.region_pictures(&pictures, &options)?.into_iter());
         }
 
-        let percent = |fraction: f64| format!("{:.1} %", 100.0 * fraction);
+        let numbers = |fraction: f64, side: Option<f64>| {
+            let side = side.map_or(String::new(), |side| format!(", side {}", side_text(side)));
+            format!("{:.1} %{side}", 100.0 * fraction)
+        };
         let mut rows = Vec::with_capacity(found.len());
         for (RegionHits { region, closest }, image) in found.iter().zip(own) {
-            let fraction = shape.results.record.regions[*region as usize].volume_fraction;
-            let subject =
-                GalleryPicture { image, label: format!("Region {region}"), numbers: percent(fraction) };
+            let own = &shape.results.record.regions[*region as usize];
+            let subject = GalleryPicture {
+                image,
+                label: format!("Region {region}"),
+                numbers: numbers(own.volume_fraction, own.side),
+            };
             // The pictures come back in the order in which they were asked for.
             let others = closest.iter().filter_map(|hit| {
                 Some(GalleryPicture {
                     image: drawn.get_mut(hit.shape.as_str())?.next()?,
                     label: format!("{}, region {}", hit.shape, hit.region),
-                    numbers: format!("distance {:.4}, {}", hit.distance, percent(hit.volume_fraction)),
+                    numbers: format!(
+                        "distance {:.4}, {}",
+                        hit.distance,
+                        numbers(hit.volume_fraction, hit.side)
+                    ),
                 })
             });
             rows.push(GalleryRow { subject, others: others.collect() });
         }
+        let of_hits = found.iter().flat_map(|hits| hits.closest.iter().map(|hit| hit.side));
+        let mut sides = shape.results.record.regions.iter().map(|region| region.side).chain(of_hits);
+        let words = match sides.any(|side| side.is_some()) {
+            true => " The side runs from -1 on one side of the body to +1 on the other.",
+            false => "",
+        };
         let pictures = rows.iter().map(|row| 1 + row.others.len()).sum();
         let html = gallery(&Gallery {
             title: format!("Regions like those of {}", shape.results.name()),
             lead: format!(
                 "Left, a region and its share of the {}; beside it, the regions of the collection \"{}\" whose \
-                 descriptors are closest to its, nearest first, of {} searched.",
+                 descriptors are closest to its, nearest first, of {} searched.{words}",
                 match shape.results.domain() {
                     mser3d::Domain::Volume => "volume",
                     mser3d::Domain::Surface => "area",

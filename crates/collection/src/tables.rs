@@ -2,7 +2,7 @@ use std::path::Path;
 
 use mser3d::spectral::EigenpairRange;
 use mser3d_fileio::{NpyValues, read_npz, write_text};
-use mser3d_results::{Record, ResultsError};
+use mser3d_results::{Record, ResultsError, sidedness_certainty, sidedness_kind};
 use serde::Serialize;
 
 use crate::folder::{CollectionFolder, result_names};
@@ -37,11 +37,12 @@ pub(crate) const SETTINGS: &str = "mser3d.descriptor_settings";
 /// | `vertices`, `voxels`, `pitch` | of the mesh and the grid; none for a surface |
 /// | `measure` | volume or area |
 /// | `regions`, `warnings` | how many |
+/// | `sidedness`, `sidedness_certainty` | whether left and right of the largest body can be told |
 ///
 /// | `regions.parquet` | |
 /// |---|---|
 /// | `shape`, `region` | name and number: a region's key |
-/// | `parent`, `tree`, `altitude`, `stability`, `volume`, `volume_fraction`, `voxels`, `vertices`, `x`, `y`, `z` | as in `regions.json`; x, y, z is the centroid |
+/// | `parent`, `tree`, `altitude`, `stability`, `reliability`, `twin`, `side`, `volume`, `volume_fraction`, `voxels`, `vertices`, `x`, `y`, `z` | as in `regions.json`; x, y, z is the centroid |
 /// | `descriptor` | a list of numbers; NaN where a shape is so small that it has fewer eigenpairs than the others |
 ///
 /// # Errors
@@ -150,6 +151,8 @@ struct Rows {
     measure: Vec<Option<f64>>,
     regions: Vec<i32>,
     warnings: Vec<i32>,
+    sidedness: Vec<Option<String>>,
+    sidedness_certainty: Vec<Option<f64>>,
 
     of_shape: Vec<String>,
     region: Vec<i32>,
@@ -158,6 +161,8 @@ struct Rows {
     altitude: Vec<f64>,
     stability: Vec<Option<f64>>,
     reliability: Vec<Option<f64>>,
+    twin: Vec<Option<i32>>,
+    side: Vec<Option<f64>>,
     volume: Vec<f64>,
     volume_fraction: Vec<f64>,
     region_voxels: Vec<Option<i32>>,
@@ -185,6 +190,9 @@ impl Rows {
         self.measure.push(record.measure());
         self.regions.push(record.regions.len() as i32);
         self.warnings.push(record.warnings.len() as i32);
+        let sidedness = record.bodies.first().map(|body| body.sidedness);
+        self.sidedness.push(sidedness.map(|s| sidedness_kind(s).to_owned()));
+        self.sidedness_certainty.push(sidedness.and_then(sidedness_certainty));
         for region in &record.regions {
             self.of_shape.push(name.clone());
             self.region.push(region.id as i32);
@@ -193,6 +201,8 @@ impl Rows {
             self.altitude.push(region.altitude);
             self.stability.push(Some(region.stability).filter(|s| s.is_finite()));
             self.reliability.push(region.reliability);
+            self.twin.push(region.twin.map(|twin| twin as i32));
+            self.side.push(region.side);
             self.volume.push(region.volume);
             self.volume_fraction.push(region.volume_fraction);
             self.region_voxels.push(region.voxels.and_then(|n| i32::try_from(n).ok()));
@@ -214,6 +224,8 @@ impl Rows {
             ("altitude", Column::Number(self.altitude)),
             ("stability", Column::OptionalNumber(self.stability)),
             ("reliability", Column::OptionalNumber(self.reliability)),
+            ("twin", Column::OptionalInteger(self.twin)),
+            ("side", Column::OptionalNumber(self.side)),
             ("volume", Column::Number(self.volume)),
             ("volume_fraction", Column::Number(self.volume_fraction)),
             ("voxels", Column::OptionalInteger(self.region_voxels)),
@@ -240,6 +252,8 @@ impl Rows {
             ("measure", Column::OptionalNumber(self.measure)),
             ("regions", Column::Integer(self.regions)),
             ("warnings", Column::Integer(self.warnings)),
+            ("sidedness", Column::OptionalText(self.sidedness)),
+            ("sidedness_certainty", Column::OptionalNumber(self.sidedness_certainty)),
         ];
         parquet::write(&root.join("shapes.parquet"), &shapes, &[])
     }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use mser3d_collection::{DescribedResult, Index, RegionHits};
 use mser3d_fileio::write_text;
-use mser3d_results::Up;
+use mser3d_results::{Up, side_text};
 
 use crate::choice::choice;
 use crate::error::{CliError, print, print_json};
@@ -71,18 +71,30 @@ fn name_in(collection: &Path, folder: &Path) -> Option<String> {
 }
 
 fn table(found: &[RegionHits], shape: &DescribedResult, searched: usize) -> String {
-    let mut text = String::from("region  measure %  rank   distance  measure %  region  shape\n");
+    let regions = &shape.results.record.regions;
+    let of_shape = regions.iter().map(|region| region.side);
+    let of_hits = found.iter().flat_map(|hits| hits.closest.iter().map(|hit| hit.side));
+    // A column that would have nothing to say is left out.
+    let sides = of_shape.chain(of_hits).any(|side| side.is_some());
+    let column = |side: String| if sides { format!("  {side:>5}") } else { String::new() };
+    let side = |side: Option<f64>| column(side.map_or("-".into(), side_text));
+    let head = column("side".into());
+    let mut text = format!("region  measure %{head}  rank   distance  measure %  region{head}  shape\n");
     for RegionHits { region: id, closest } in found {
-        let own = 100.0 * shape.results.record.regions[*id as usize].volume_fraction;
+        let own = &regions[*id as usize];
         for (rank, hit) in closest.iter().enumerate() {
-            let query = if rank == 0 { format!("{id:>6}  {own:>9.2}") } else { " ".repeat(17) };
+            let query = match rank {
+                0 => format!("{id:>6}  {:>9.2}{}", 100.0 * own.volume_fraction, side(own.side)),
+                _ => " ".repeat(17) + &column(String::new()),
+            };
             let _ = writeln!(
                 text,
-                "{query}  {:>4}  {:>9.5}  {:>9.2}  {:>6}  {}",
+                "{query}  {:>4}  {:>9.5}  {:>9.2}  {:>6}{}  {}",
                 rank + 1,
                 hit.distance,
                 100.0 * hit.volume_fraction,
                 hit.region,
+                side(hit.side),
                 hit.shape,
             );
         }

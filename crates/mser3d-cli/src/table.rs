@@ -2,25 +2,37 @@
 
 use std::path::Path;
 
-use mser3d::{Domain, Features, PartCount};
+use mser3d::{Domain, Features, PartCount, Sidedness};
+use mser3d_results::{left_and_right, side_text};
 
 pub fn regions(features: &Features, folder: &Path) -> String {
     let elements = match features.shape.domain() {
         Domain::Volume => "voxels",
         Domain::Surface => "vertices",
     };
-    let mut text =
-        format!(" id  parent  measure %  {elements:>8}  stability  reliability  time scale  centroid\n");
+    // Columns that would have nothing to say are left out.
+    let twins = features.regions.iter().any(|region| region.twin.is_some());
+    let sides = features.regions.iter().any(|region| region.side.is_some());
+    let own = |twin: String, side: String| {
+        let twin = if twins { format!("  {twin:>4}") } else { String::new() };
+        if sides { format!("{twin}  {side:>5}") } else { twin }
+    };
+    let heads = own("twin".into(), "side".into());
+    let mut text = format!(
+        " id  parent{heads}  measure %  {elements:>8}  stability  reliability  time scale  centroid\n"
+    );
     let or_dash = |number: Option<f64>, digits: usize| {
         number.filter(|x| x.is_finite()).map_or("-".into(), |x| format!("{x:.digits$}"))
     };
     for id in features.ranked() {
         let region = &features.regions[id];
-        let parent = region.parent.map_or("-".into(), |p| p.to_string());
+        let number = |other: Option<usize>| other.map_or("-".into(), |id| id.to_string());
+        let parent = number(region.parent);
+        let own = own(number(region.twin), region.side.map_or("-".into(), side_text));
         let scale = features.trees[region.tree].time_scale.map_or("-".into(), |scale| scale.to_string());
         let [x, y, z] = region.centroid;
         text += &format!(
-            "{id:>3}  {parent:>6}  {:>9.2}  {:>8}  {:>9}  {:>11}  {scale:>10}  ({x:.4}, {y:.4}, {z:.4})\n",
+            "{id:>3}  {parent:>6}{own}  {:>9.2}  {:>8}  {:>9}  {:>11}  {scale:>10}  ({x:.4}, {y:.4}, {z:.4})\n",
             100.0 * region.volume_fraction,
             region.elements.len(),
             or_dash(Some(region.stability), 3),
@@ -30,6 +42,13 @@ pub fn regions(features: &Features, folder: &Path) -> String {
     if features.regions.is_empty() {
         text += "no stable regions: a shape without parts (a ball) has none; else try --min-volume 0.005, \
                  --window 0.1 or other --time-scale\n";
+    }
+    let several = features.bodies.len() > 1;
+    for (number, body) in features.bodies.iter().enumerate() {
+        if let (Sidedness::Alike { .. }, Some(told)) = (body.sidedness, left_and_right(body.sidedness)) {
+            let of_body = if several { format!("body {number}: ") } else { String::new() };
+            text += &format!("{of_body}left and right {told}\n");
+        }
     }
     let (count, size) = (features.regions.len(), features.shape.len());
     text + &format!("{count} regions in {size} {elements}; written to {}\n", folder.display())

@@ -5,7 +5,7 @@ use mser3d_viewer::{
     Rgb, Up, View, ViewerError, linked_colours, page, render,
 };
 
-use crate::{Results, ResultsError};
+use crate::{Results, ResultsError, left_and_right};
 
 pub use mser3d_viewer::RegionPair;
 
@@ -176,6 +176,8 @@ impl Results {
             altitude: r.altitude,
             stability: r.stability,
             reliability: r.reliability,
+            twin: r.twin,
+            side: r.side,
             volume: r.volume,
             volume_fraction: r.volume_fraction,
             vertices: &self.region_vertices[id],
@@ -221,6 +223,12 @@ impl Results {
             facts.push(fact("input", self.record.input.path.clone()));
         }
         facts.push(fact("weight", self.record.parameters.weight.to_string()));
+        let bodies = &self.record.bodies;
+        let sides = bodies.iter().map(|body| left_and_right(body.sidedness)).enumerate();
+        facts.extend(sides.filter_map(|(body, told)| {
+            let of_body = if bodies.len() > 1 { format!(" of body {body}") } else { String::new() };
+            Some(fact(&format!("left and right{of_body}"), told?))
+        }));
         facts.push(fact("mser3d", self.record.mser3d.clone()));
         facts
     }

@@ -28,6 +28,8 @@
 //! | `grid_affine` | float64, 4 x 4 | index to world: a voxel's centre is `grid_affine @ (i, j, k, 1)` |
 //! | `eigenvalues`, `body1_eigenvalues`, ... | float64 | in length^-2; of the largest body, and of the others that were searched on their own |
 //! | `region_descriptor` | float64, regions x q | rows in the order of `regions.json` |
+//! | `region_twin` | int32, regions | mirror image of each region, -1 for none |
+//! | `region_side` | float64, regions | on which side of its body each is, NaN where the body has no sides |
 //! | `tree0_parent`, `tree0_altitude`, `tree0_volume`, ... | int32, float64, float64, nodes | a component tree, children first; -1 for a root |
 //! | `tree0_entry`, ... | int32, voxels or vertices | the node in which each enters; -1 for those of other bodies |
 //! | `file_vertex` | uint32, vertices of the file | the mesh's vertex (files that repeat vertices only) |
@@ -72,6 +74,7 @@ mod parts;
 mod record;
 mod results;
 mod shape_file;
+mod sides;
 mod volume_file;
 mod write;
 
@@ -90,6 +93,7 @@ pub use record::{
 };
 pub use results::{Results, TreeArrays};
 pub use shape_file::{Contents, ShapeFile, ShapeOptions};
+pub use sides::{left_and_right, side_text, sidedness_certainty, sidedness_kind};
 pub use volume_file::{BodyRecord, SolidVolume, VolumeFile, VolumeRecord};
 pub use write::Extra;
 

@@ -120,12 +120,17 @@ impl Record {
         })?;
         let record: Self = parse(&path, &text, FORMAT)?;
         let trees = record.trees.len();
+        let is_twin = |twin: u32, of: u32| {
+            twin != of && record.regions.get(twin as usize).is_some_and(|region| region.twin == Some(of))
+        };
         for (place, region) in record.regions.iter().enumerate() {
             let known = region.id as usize == place
                 && region.parent.is_none_or(|p| p < region.id)
-                && (region.tree as usize) < trees;
+                && (region.tree as usize) < trees
+                && region.twin.is_none_or(|twin| is_twin(twin, region.id));
             if !known {
-                let reason = format!("region {} names a parent or tree that is none of its own", region.id);
+                let reason =
+                    format!("region {} names a parent, tree or twin that is none of its own", region.id);
                 return Err(ResultsError::Broken { path, reason });
             }
         }

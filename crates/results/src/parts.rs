@@ -33,7 +33,11 @@ fn as_region(part: &PartRecord) -> RegionRecord {
         stability: f64::NAN,
         reliability: None,
         lifetime: None,
-        twin: None,
+        // One alone is a mirror image; of several it isn't said which is.
+        twin: match part.twins[..] {
+            [twin] => Some(twin),
+            _ => None,
+        },
         side: None,
         volume: part.volume,
         volume_fraction: part.volume_fraction,

@@ -86,6 +86,12 @@ impl Results {
         arrays.push(("region_descriptor".to_owned(), NpyArray::new(&shape, &self.descriptors[..])?));
         let shape = [self.record.regions.len(); 2];
         arrays.push(("region_cosine".to_owned(), NpyArray::new(&shape, &self.cosines[..])?));
+        // In numpy -1 is handier for none, and NaN.
+        let regions = self.record.regions.iter();
+        let twins: Vec<i32> = regions.clone().map(|r| r.twin.map_or(-1, |twin| twin as i32)).collect();
+        let sides: Vec<f64> = regions.map(|r| r.side.unwrap_or(f64::NAN)).collect();
+        arrays.push(("region_twin".to_owned(), NpyArray::flat(twins)));
+        arrays.push(("region_side".to_owned(), NpyArray::flat(sides)));
         arrays.extend(self.tree_arrays());
         let arrays: Vec<(&str, NpyArray<'_>)> =
             arrays.iter().map(|(name, array)| (name.as_str(), array.clone())).collect();

@@ -51,6 +51,8 @@ pub fn main() -> Result<(), Box<dyn Error>> {
         altitude: 0.5,
         stability: 10.0,
         reliability: None,
+        twin: None,
+        side: None,
         volume: 1.0,
         volume_fraction: 0.3,
         vertices,

@@ -76,10 +76,11 @@ function paint(colours, shape, kind, look) {
   const faded = plain.map((c) => mix(c, WHITE, 0.75));
   const sets = (ids) => ids.map((id) => [shape.regions[id][`${kind}Set`], plain[id + 1]]);
   const chosen = sets(look.chosen);
+  const lit = [...chosen, ...sets(look.twins).map(([set, colour]) => [set, mix(colour, WHITE, 0.5)])];
   const hovered = sets(look.hovered);
   for (let i = 0; i < count; i++) {
-    const inside = chosen.find(([set]) => hasBit(set, i));
-    let colour = inside ? inside[1] : (chosen.length ? faded : plain)[label[i] + 1];
+    const inside = lit.find(([set]) => hasBit(set, i));
+    let colour = inside ? inside[1] : (lit.length ? faded : plain)[label[i] + 1];
     if (hovered.some(([set]) => hasBit(set, i))) colour = mix(colour, WHITE, 0.4);
     write(i, colour);
   }

@@ -31,13 +31,20 @@ function readData() {
 
 const hasBit = (set, i) => (set[i >> 3] >> (i & 7)) & 1;
 
-// Four significant digits, without needless zeros; null stands for infinity.
-function show(x) {
+// Four significant digits or another number of them, without needless zeros; null stands for infinity.
+function show(x, digits = 4) {
   if (x === null || x === undefined) return "–";
   if (x === 0) return "0";
   const size = Math.abs(x);
-  return size >= 1e5 || size < 1e-3 ? x.toExponential(3) : String(Number(x.toPrecision(4)));
+  return size >= 1e5 || size < 1e-3 ? x.toExponential(digits - 1) : String(Number(x.toPrecision(digits)));
 }
 
-const percent = (x) => `${show(100 * x)} %`;
+// A side with its sign; the middle has none.
+function showSide(x) {
+  if (x === null) return "–";
+  const text = x.toFixed(2);
+  return x > 0 && Number(text) !== 0 ? `+${text}` : text.replace("-0.00", "0.00");
+}
+
+const percent = (x, digits) => `${show(100 * x, digits)} %`;
 const css = (c) => `rgb(${c[0]}, ${c[1]}, ${c[2]})`;

@@ -23,16 +23,25 @@ class Panel {
     this.actions = actions;
     this.details = document.getElementById("details");
     const tables = document.getElementById("tables");
+    const regions = data.shapes.flatMap((shape) => shape.regions);
+    this.twins = regions.some((region) => region.twin !== null);
+    this.sides = regions.some((region) => region.side !== null);
     this.rows = data.shapes.map((shape, s) => {
       const rows = shape.regions.map((region, id) => this.row(shape, s, region, id, actions));
-      const heads = ["id", data.matches.length ? "match" : null, "volume", "reliability", "stability", "altitude"];
-      const head = heads.filter(Boolean).map((name) => element("th", { scope: "col" }, name));
+      const own = [data.matches.length && "match", this.twins && "twin", this.sides && "side"].filter(Boolean);
+      const heads = ["id", ...own, "volume", "reliability", ...(data.matches.length ? [] : ["stability"])];
+      const head = heads.map((name) => element("th", { scope: "col" }, name));
       const table = element("table", {}, element("thead", {}, element("tr", {}, ...head)));
       if (data.shapes.length > 1) table.prepend(element("caption", {}, shape.name));
       table.append(element("tbody", {}, ...rows));
       tables.append(rows.length ? table : element("p", {}, `${shape.name}: no regions were found.`));
       return rows;
     });
+    const words = [
+      this.twins && "Twin: the region that is its mirror image on the same body; it is seen faintly when a region is chosen.",
+      this.sides && "Side: from −1 on one side of the body to +1 on the other; which of them is the left one is not said.",
+    ];
+    tables.append(...words.filter(Boolean).map((text) => element("p", { class: "word" }, text)));
     const facts = document.getElementById("facts");
     for (const shape of data.shapes) {
       if (!shape.facts.length) continue;
@@ -50,11 +59,13 @@ class Panel {
     const button = element("button", { type: "button", "aria-label": `Region ${id} of ${shape.name}` }, String(id));
     const cells = [
       element("td", {}, swatch(region.colour), button),
-      element("td", {}, percent(region.fraction)),
-      element("td", {}, show(region.reliability)),
-      element("td", {}, show(region.stability)),
-      element("td", {}, show(region.altitude)),
+      element("td", {}, percent(region.fraction, 3)),
+      element("td", {}, show(region.reliability, 2)),
     ];
+    // Beside matches there is no room for it; above the table stand all numbers of the region that is chosen.
+    if (!this.data.matches.length) cells.push(element("td", {}, show(region.stability, 3)));
+    if (this.sides) cells.splice(1, 0, element("td", {}, showSide(region.side)));
+    if (this.twins) cells.splice(1, 0, element("td", {}, region.twin === null ? "–" : this.link(s, region.twin, String(region.twin))));
     if (this.data.matches.length) {
       const partner = this.partner(s, id);
       cells.splice(1, 0, element("td", {}, partner ? `${s === 0 ? "→" : "←"} ${partner[0]}` : "none"));
@@ -67,15 +78,20 @@ class Panel {
   }
 
   // A region's name that chooses it.
-  link(s, id) {
-    const button = element("button", { type: "button", class: "link" }, `region ${id}`);
-    button.addEventListener("click", () => this.actions.choose(s, id));
+  link(s, id, name = `region ${id}`) {
+    const button = element("button", { type: "button", class: "link", "aria-label": `Region ${id}` }, name);
+    button.addEventListener("click", (event) => {
+      // Not the row that it stands in.
+      event.stopPropagation();
+      this.actions.choose(s, id);
+    });
     return button;
   }
 
-  mark(s, chosen, hovered) {
+  mark(s, chosen, twins, hovered) {
     this.rows[s].forEach((row, id) => {
       row.setAttribute("aria-selected", String(chosen.includes(id)));
+      row.classList.toggle("twin", twins.includes(id));
       row.classList.toggle("hover", hovered.includes(id));
     });
   }
@@ -100,6 +116,8 @@ class Panel {
       ["inside", region.parent === null ? "no other" : this.link(choice.shape, region.parent)],
       ["vertices", String(region.vertices)],
     ];
+    if (this.twins) pairs.push(["twin", region.twin === null ? "none" : this.link(choice.shape, region.twin)]);
+    if (this.sides) pairs.push(["side", showSide(region.side)]);
     if (shape.grid) pairs.push(["voxels", String(region.voxels)]);
     if (region.tree !== null) pairs.push(["tree", shape.trees[region.tree].name]);
     const partner = this.partner(choice.shape, choice.region);

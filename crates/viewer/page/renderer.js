@@ -71,6 +71,7 @@ class Renderer {
         level: state.level,
         none: data.none,
         chosen: regionsOf(state.chosen, s),
+        twins: twinsOf(s),
         hovered: regionsOf(state.hovered, s),
         hoveredComponent: state.component && state.component.shape === s ? state.component.branch : -1,
       };

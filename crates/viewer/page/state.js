@@ -23,6 +23,11 @@ function regionsOf(choice, s) {
   return data.matches.filter((m) => m[choice.shape] === choice.region).map((m) => m[s]);
 }
 
+// The mirror images of what is chosen.
+function twinsOf(s) {
+  return regionsOf(state.chosen, s).map((id) => data.shapes[s].regions[id].twin).filter((twin) => twin !== null);
+}
+
 function choose(shape, region) {
   const same = state.chosen && state.chosen.shape === shape && state.chosen.region === region;
   state.chosen = region === null || same ? null : { shape, region };
@@ -75,7 +80,7 @@ function setCut(axis) {
 
 // Colours change; the picture follows at the next frame.
 function refresh() {
-  data.shapes.forEach((_, s) => panel.mark(s, regionsOf(state.chosen, s), regionsOf(state.hovered, s)));
+  data.shapes.forEach((_, s) => panel.mark(s, regionsOf(state.chosen, s), twinsOf(s), regionsOf(state.hovered, s)));
   if (hasTrees) {
     treePicture.update(state.level, regionsOf(state.chosen, state.treeShape));
     const tree = data.shapes[state.treeShape].trees[state.tree];

@@ -36,6 +36,12 @@ pub fn json(path: &Path) -> Value {
     serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap()
 }
 
+/// The data of a page but for its arrays.
+pub fn page_head(page: &str) -> Value {
+    let head = page.split("id=\"head\">").nth(1).unwrap().split("</script>").next().unwrap();
+    serde_json::from_str(head).unwrap()
+}
+
 /// Asserts a failure with this exit code and one line on stderr that contains all these words.
 pub fn assert_fails(output: &Output, code: i32, words: &[&str]) {
     let stderr = text(&output.stderr);

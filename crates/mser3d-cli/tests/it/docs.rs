@@ -145,6 +145,11 @@ fn the_page_on_batches_can_be_followed() {
 }
 
 #[test]
+fn the_page_on_left_and_right_can_be_followed() {
+    follow("docs/sides.md");
+}
+
+#[test]
 fn the_readme_and_the_answers_can_be_followed() {
     follow("README.md");
     follow("docs/faq.md");

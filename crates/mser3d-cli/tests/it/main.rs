@@ -11,6 +11,7 @@ mod msv;
 mod names;
 mod results;
 mod shell;
+mod sides;
 #[cfg(unix)]
 mod system;
 mod volumes;

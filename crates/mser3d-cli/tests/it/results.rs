@@ -261,7 +261,15 @@ fn parts_are_written_shown_and_exported() {
     assert!((sum - 1.0).abs() < 1e-9);
     let vti = fs::read(out.join("volume.vti")).unwrap();
     assert!(String::from_utf8_lossy(&vti).contains("Name=\"part\""));
-    assert!(fs::read_to_string(out.join("parts.html")).unwrap().contains("Parts of human_rest"));
+    let page = fs::read_to_string(out.join("parts.html")).unwrap();
+    assert!(page.contains("Parts of human_rest"));
+    // One twin is a mirror image, and the page leads to it.
+    let head = page_head(&page);
+    let shown = list(&head["shapes"][0], "regions").iter().map(|region| &region["twin"]);
+    let twins: Vec<&Value> = parts.iter().map(|part| part["twins"].get(0).unwrap_or(&Value::Null)).collect();
+    assert!(parts.iter().all(|part| list(part, "twins").len() <= 1));
+    assert_eq!(shown.collect::<Vec<_>>(), twins);
+    assert_eq!(twins.iter().filter(|twin| twin.is_number()).count(), 4, "arms and legs");
 
     let run = |arguments: &[&str]| {
         let output = mser3d([&[arguments[0], out.to_str().unwrap()], &arguments[1..]].concat());

@@ -51,6 +51,8 @@ impl MsvResults {
             altitude: region.grey,
             stability: 1.0 / region.variation,
             reliability: None,
+            twin: None,
+            side: None,
             volume: region.volume,
             volume_fraction: region.voxels as f64 / voxels,
             vertices: &drawn.members[id][0],

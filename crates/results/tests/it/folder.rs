@@ -147,10 +147,18 @@ fn what_is_wrong_with_a_folder_is_said() {
     std::fs::write(&json, &good[..good.len() / 2]).unwrap();
     assert!(error(folder.path()).contains("regions.json: EOF"));
     std::fs::write(&json, good.replacen("\"tree\": ", "\"tree\": 9", 1)).unwrap();
-    assert!(error(folder.path()).contains("region 0 names a parent or tree that is none of its own"));
+    assert!(error(folder.path()).contains("region 0 names a parent, tree or twin that is none of its own"));
     // Whoever follows parents comes to an end.
     std::fs::write(&json, good.replacen("\"parent\": null", "\"parent\": 0", 1)).unwrap();
     assert!(error(folder.path()).contains("region 0 names a parent"));
+
+    // Twins are each other's.
+    let (before, rest) = good.split_once("\"twin\": ").unwrap();
+    let after = &rest[rest.find(',').unwrap()..];
+    for twin in ["0", "999"] {
+        std::fs::write(&json, format!("{before}\"twin\": {twin}{after}")).unwrap();
+        assert!(error(folder.path()).contains("region 0 names a parent, tree or twin"));
+    }
 
     // A result of one shape with the arrays of another.
     std::fs::write(&json, &good).unwrap();

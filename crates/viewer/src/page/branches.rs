@@ -103,6 +103,8 @@ mod tests {
             altitude: 0.0,
             stability: 1.0,
             reliability: None,
+            twin: None,
+            side: None,
             volume: 1.0,
             volume_fraction: 0.1,
             vertices: &[],

@@ -49,6 +49,10 @@ pub struct PageRegion<'a> {
     pub stability: f64,
     /// How surely it is found again, 0 to 1; none where that was not measured.
     pub reliability: Option<f64>,
+    /// Its mirror image, another region of the shape.
+    pub twin: Option<u32>,
+    /// On which side of its body it is, from -1 to 1; none where the body has no sides.
+    pub side: Option<f64>,
     /// Volume in length^3 (of a surface: area in length^2).
     pub volume: f64,
     /// Share of the whole volume or area.
@@ -120,8 +124,8 @@ impl PageShape<'_> {
             for &v in region.voxels {
                 in_range("region", number, "voxel", v, voxels)?;
             }
-            if let Some(parent) = region.parent {
-                in_range("region", number, "region", parent, self.regions.len())?;
+            for other in region.parent.into_iter().chain(region.twin) {
+                in_range("region", number, "region", other, self.regions.len())?;
             }
             if let Some([tree, node]) = region.node {
                 in_range("region", number, "tree", tree, self.trees.len())?;

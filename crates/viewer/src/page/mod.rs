@@ -37,10 +37,10 @@ const SCRIPTS: [&str; 13] = [
 /// A self-contained HTML page: the shape and its regions to turn and explore in any browser with
 /// WebGL2, without network.
 ///
-/// Regions light up under the pointer and tell their numbers; a slider lets the level of a component
-/// tree rise, which is drawn beside it; a plane cuts the solid open; two shapes share one camera and
-/// the colours of their matches. Everything works by keyboard and touch too. A browser without WebGL2
-/// shows the table of regions and says what is missing.
+/// Regions light up under the pointer and tell their numbers; the twin of a chosen one is seen faintly; a
+/// slider lets the level of a component tree rise, which is drawn beside it; a plane cuts the solid open; two
+/// shapes share one camera and the colours of their matches. Everything works by keyboard and touch too. A
+/// browser without WebGL2 shows the table of regions and says what is missing.
 ///
 /// Size: about 4/3 of 20 bytes per vertex, 24 per triangle's three corners, and 8 per voxel plus 4 per voxel
 /// and tree: 3.3 MB for 13,000 vertices, 45,000 voxels and four trees. The same data give the same bytes.
@@ -61,6 +61,8 @@ const SCRIPTS: [&str; 13] = [
 ///     altitude: 0.5,
 ///     stability: 12.0,
 ///     reliability: Some(0.9),
+///     twin: None,
+///     side: None,
 ///     volume: 0.01,
 ///     volume_fraction: 0.06,
 ///     vertices: &[0, 3],
@@ -177,6 +179,8 @@ fn region_json(region: &PageRegion<'_>, shape: &PageShape<'_>, pack: &mut Pack) 
         "altitude": number(region.altitude),
         "stability": number(region.stability),
         "reliability": region.reliability,
+        "twin": region.twin,
+        "side": region.side,
         "volume": number(region.volume),
         "fraction": number(region.volume_fraction),
         "vertices": region.vertices.len(),

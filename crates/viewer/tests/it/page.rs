@@ -22,6 +22,8 @@ fn region<'a>(vertices: &'a [u32], voxels: &'a [u32], volume: f64) -> PageRegion
         altitude: 0.5,
         stability: f64::INFINITY,
         reliability: None,
+        twin: None,
+        side: None,
         volume,
         volume_fraction: 0.5,
         vertices,
@@ -65,7 +67,9 @@ fn script<'a>(html: &'a str, mark: &str) -> &'a str {
 #[test]
 fn the_page_holds_its_data_and_asks_for_nothing_else() {
     let (mesh, grid) = (tetrahedron(), grid());
-    let html = page(&data(vec![shape(&mesh, &grid)])).unwrap();
+    let mut one = shape(&mesh, &grid);
+    (one.regions[1].twin, one.regions[1].side) = (Some(0), Some(-0.5));
+    let html = page(&data(vec![one])).unwrap();
     assert!(!html.contains("{{") && html.contains("<title>x &lt; y &amp; z</title>"));
     // The only address is the name of the SVG namespace.
     assert_eq!(html.matches("http").count(), html.matches("http-equiv").count() + 1);
@@ -76,6 +80,10 @@ fn the_page_holds_its_data_and_asks_for_nothing_else() {
     assert_eq!(one["name"], "a </script><b>");
     assert_eq!(one["closed"], true);
     assert_eq!(one["regions"][0]["stability"], Value::Null);
+    let sides =
+        |region: usize| (one["regions"][region]["twin"].clone(), one["regions"][region]["side"].clone());
+    assert_eq!(sides(0), (Value::Null, Value::Null));
+    assert_eq!(sides(1), (0.into(), (-0.5).into()));
     let bytes = base64::engine::general_purpose::STANDARD.decode(script(&html, "id=\"arrays\">")).unwrap();
     let labels = |part: &Value| -> Vec<i16> {
         let (start, length) =
@@ -108,6 +116,9 @@ fn data_that_do_not_fit_are_named() {
     let mut wrong = good();
     wrong.regions[1].vertices = &[1, 4];
     assert_eq!(error(vec![wrong]), "region 1 names vertex 4, but there are only 4 (numbered from 0)");
+    let mut wrong = good();
+    wrong.regions[0].twin = Some(2);
+    assert_eq!(error(vec![wrong]), "region 0 names region 2, but there are only 2 (numbered from 0)");
     let mut wrong = good();
     wrong.trees[0].entry = &[0];
     assert!(error(vec![wrong]).starts_with("entry nodes of a tree: 1 given, 2 needed"));
