@@ -106,9 +106,10 @@ enum Place {
 
 /// The voxel of each vertex of the mesh, numbered in `searched`, which holds some components of the whole solid.
 ///
-/// A vertex takes its nearest voxel, of those that it sees from inside ([`seen_from_inside`]). If the nearest belongs to a body that is not searched, so does the vertex, and
+/// A vertex takes its nearest voxel. If that one belongs to a body that is not searched, so does the vertex, and
 /// it takes none. If it is a speck, the vertex takes the nearest voxel that is searched. But no vertex does whose
-/// [`Shell`] is apart from what is searched.
+/// [`Shell`] is apart from what is searched. Of what is searched it takes the nearest that it sees from inside
+/// ([`seen_from_inside`]).
 fn elements_of_vertices(
     mesh: &TriangleMesh,
     whole: &Voxelization,
