@@ -13,7 +13,7 @@ use crate::sight::seen_from_inside;
 use crate::{DiscreteShape, Error, Warning};
 
 /// Vertices that a thread places before it asks whether to go on.
-const VERTICES: usize = 1 << 12;
+const VERTICES: usize = 1 << 10;
 
 /// How near, in voxels, a vertex comes to the centre of a voxel of its solid, where parts are not too thin.
 const REACH: f64 = 2.0;
