@@ -54,6 +54,8 @@ enum Command {
     Selection(delegate::Arguments),
     /// Experiments: score detectors on SHREC'10, SHREC'11 or a synthetic benchmark
     Shrec11(delegate::Arguments),
+    /// Experiments: compare matches with the right side of the body
+    Sides(delegate::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -79,6 +81,52 @@ fn run(command: Command) -> Result<ExitCode, Box<dyn Error>> {
         Command::Reliability(arguments) => return delegate::run("reliability", &arguments),
         Command::Selection(arguments) => return delegate::run("selection", &arguments),
         Command::Shrec11(arguments) => return delegate::run("shrec11", &arguments),
+        Command::Sides(arguments) => return delegate::run("sides", &arguments),
     }
     Ok(ExitCode::SUCCESS)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::{Path, PathBuf};
+
+    use clap::CommandFactory;
+
+    /// The Markdown files in a folder, and in those below it.
+    fn pages(folder: &Path, found: &mut Vec<PathBuf>) {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let hidden =
+                path.file_name().is_some_and(|name| name == "target" || name.as_encoded_bytes()[0] == b'.');
+            if path.is_dir() && !hidden {
+                pages(&path, found);
+            } else if path.extension().is_some_and(|ending| ending == "md") {
+                found.push(path);
+            }
+        }
+    }
+
+    #[test]
+    fn every_task_that_a_page_names_is_there() {
+        let command = super::Arguments::command();
+        let (mut found, mut named) = (Vec::new(), 0);
+        pages(&Path::new(env!("CARGO_MANIFEST_DIR")).join(".."), &mut found);
+        for page in found {
+            let text = std::fs::read_to_string(&page).unwrap();
+            for after in text.split("cargo xtask ").skip(1) {
+                let name: String =
+                    after.chars().take_while(|c| c.is_ascii_alphanumeric() || *c == '-').collect();
+                // Some pages speak of tasks in general.
+                if !name.is_empty() && !name.starts_with(char::is_uppercase) {
+                    assert!(
+                        command.find_subcommand(&name).is_some(),
+                        "{}: cargo xtask {name}",
+                        page.display()
+                    );
+                    named += 1;
+                }
+            }
+        }
+        assert!(named > 20, "{named}");
+    }
 }

@@ -32,7 +32,7 @@ pub fn batch_and_match(shapes: &Path, collection: &Path) -> Result<usize, Box<dy
     let load = |name: &String| DescribedResult::load(&collection.join(name));
     let matching = match_results(&load(first)?, &load(second)?, &Default::default())?;
     for found in &matching.matches {
-        let note = if found.or_twin.is_some() { ", or its mirror image" } else { "" };
+        let note = if found.symmetric_partner.is_some() { ", or its mirror image" } else { "" };
         println!("region {} of {second} is region {} of {first}{note}", found.region, found.partner);
     }
     Ok(matching.matches.len())

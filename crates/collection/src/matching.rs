@@ -79,7 +79,7 @@ pub struct RegionMatch {
     pub ambiguous: bool,
     /// The partner's mirror image on the first shape, where left and right cannot be told on one of both shapes: it could
     /// as well be the partner.
-    pub or_twin: Option<u32>,
+    pub symmetric_partner: Option<u32>,
     /// How right the match is, where a ground truth is known.
     pub truth: Option<MatchTruth>,
 }
@@ -192,7 +192,7 @@ pub fn match_results(
                 rival: m.rival.map(|r| r.reference as u32),
                 rival_distance: m.rival.map(|r| r.distance),
                 ambiguous: m.ambiguous,
-                or_twin: twin.filter(|_| !told),
+                symmetric_partner: twin.filter(|_| !told),
                 truth: None,
             }
         })
@@ -211,12 +211,12 @@ impl Matching {
     /// The matches as comma-separated values, with a header line.
     pub fn to_csv(&self) -> String {
         let mut csv = String::from(
-            "region,partner,distance,rival,rival_distance,ambiguous,or_twin,overlap,mirrored_overlap,verdict\n",
+            "region,partner,distance,rival,rival_distance,ambiguous,symmetric_partner,overlap,mirrored_overlap,verdict\n",
         );
         let optional = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
         for m in &self.matches {
             let region = |region: Option<u32>| region.map_or(String::new(), |r| r.to_string());
-            let (rival, twin) = (region(m.rival), region(m.or_twin));
+            let (rival, twin) = (region(m.rival), region(m.symmetric_partner));
             let verdict = m.truth.map_or("", |t| t.verdict.name());
             csv.push_str(&format!(
                 "{},{},{},{rival},{},{},{twin},{},{},{verdict}\n",

@@ -139,7 +139,7 @@ fn table(matching: &Matching) -> String {
             let mirrored = optional(truth.mirrored_overlap, 2);
             let _ = write!(text, "  {:>7.2}  {mirrored:>8}  {:<10}", truth.overlap, truth.verdict);
         }
-        let note = match (m.or_twin, m.rival) {
+        let note = match (m.symmetric_partner, m.rival) {
             (Some(twin), _) => format!("or {twin}: left and right look alike"),
             (None, Some(rival)) if m.ambiguous => format!("or {rival}: about as near"),
             _ => String::new(),
@@ -149,8 +149,8 @@ fn table(matching: &Matching) -> String {
         text.push('\n');
     }
     let regions = matching.matches.len() + matching.unmatched.len();
-    let symmetric = matching.matches.iter().filter(|m| m.or_twin.is_some()).count();
-    let ambiguous = matching.matches.iter().filter(|m| m.ambiguous && m.or_twin.is_none()).count();
+    let symmetric = matching.matches.iter().filter(|m| m.symmetric_partner.is_some()).count();
+    let ambiguous = matching.matches.iter().filter(|m| m.ambiguous && m.symmetric_partner.is_none()).count();
     let _ = writeln!(
         text,
         "{} of {regions} regions matched; {symmetric} could as well be their mirror image, {ambiguous} are \

@@ -222,7 +222,9 @@ fn regions_of_two_poses_match_up_to_symmetry() {
     let result: Value =
         serde_json::from_slice(&command.arg("match").args(&both).arg("--json").output().unwrap().stdout)
             .unwrap();
-    assert!(result["result"]["matches"].as_array().unwrap().iter().any(|m| m["or_twin"].is_number()));
+    assert!(
+        result["result"]["matches"].as_array().unwrap().iter().any(|m| m["symmetric_partner"].is_number())
+    );
     let page = fs::read_to_string(folder.path().join("matches/matches.html")).unwrap();
     assert!(page.contains("<title>Regions of human_walk matched to human_rest</title>"));
     let csv = fs::read_to_string(folder.path().join("matches/matches.csv")).unwrap();
@@ -306,7 +308,7 @@ fn a_mirror_image_is_matched_to_the_other_side_unless_that_is_allowed() {
     for m in strict["result"]["matches"].as_array().unwrap() {
         let (own, of_partner) = (side(&m["region"]), side(&m["partner"]));
         assert!(
-            m["or_twin"].is_null() && (own.abs() < 1.0 || own * of_partner < -0.5),
+            m["symmetric_partner"].is_null() && (own.abs() < 1.0 || own * of_partner < -0.5),
             "{own} {of_partner} {m}"
         );
         swapped += usize::from(own.abs() == 1.0);
