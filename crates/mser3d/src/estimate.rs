@@ -1,7 +1,7 @@
 use std::ops::ControlFlow;
 
 use mser3d_descriptors::TimeScale;
-use mser3d_shape::{Domain, TriangleMesh};
+use mser3d_shape::Domain;
 use mser3d_spectral::Eigensolver;
 
 use crate::reliability::{COARSER, Original, occupied};
@@ -53,6 +53,15 @@ const BEGIN: f64 = 0.01;
 /// Bytes that any run takes.
 const MEMORY: f64 = 1e7;
 
+/// Bytes that a triangle takes while it is voxelized and its vertices look for their voxels, the mesh and its file included.
+const TRIANGLE: f64 = 360.0;
+
+/// Seconds to find the nearest voxel of a point.
+const NEAREST: f64 = 0.4e-6;
+
+/// Seconds to find the nearest voxel that a vertex sees, with what tells where the surface is.
+const NEAREST_SEEN: f64 = 3.5e-6;
+
 impl Parameters {
     /// What a run with these parameters will take on an input, from its size alone: a pass over the mesh.
     ///
@@ -80,7 +89,7 @@ impl Parameters {
         };
         let weight = weight_work(self, input, elements);
         let stages = StageSeconds {
-            voxelize: solid.seconds,
+            voxelize: solid.seconds + NEAREST_SEEN * solid.vertices,
             spectrum: spectrum.seconds,
             regions: links * trees as f64 * elements * (160e-9 + 0.4e-9 * k) + weight.seconds,
             reliability: match Original::of(input).map(|original| self.copies_of(original, n)) {
@@ -90,7 +99,8 @@ impl Parameters {
             descriptors: elements * samples as f64 * (1.8e-9 + 0.035e-9 * k),
         };
         let numbers = spectrum.numbers + weight.numbers;
-        let memory = MEMORY + 8.0 * numbers + 200.0 * elements + 2.0 * in_box;
+        let search = 8.0 * numbers + 200.0 * elements + 2.0 * in_box;
+        let memory = MEMORY + search.max(TRIANGLE * solid.triangles);
         Estimate {
             elements: n,
             eigenpairs,
@@ -118,8 +128,8 @@ impl Parameters {
             Input::Solid(grid) => 0.4e-6 * occupied(grid).1.iter().map(|&n| f64::from(n)).product::<f64>(),
             _ => Solid::of(input, self, elements).seconds,
         };
-        // The nearest voxel of each.
-        let places = 1e-6 * elements;
+        // Where each voxel and each vertex is on the copy.
+        let places = 1e-6 * elements + NEAREST * Solid::of(input, self, elements).vertices;
         solid + 0.6 * spectrum + trees * n * 170e-9 + places + weight_work(self, input, n).seconds
     }
 }
@@ -190,34 +200,35 @@ fn weight_work(parameters: &Parameters, input: &Input, n: f64) -> Work {
     Work { seconds: carry + times as f64 * smooth, numbers: matrix }
 }
 
-/// The nearest voxel that each vertex sees, with what tells where the surface is.
-fn vertex_seconds(mesh: &TriangleMesh) -> f64 {
-    2.5e-6 * mesh.vertices().len() as f64
-}
-
 /// What it takes to get the voxels of a solid.
 struct Solid {
     seconds: f64,
     /// Voxels of the box around it; none for a surface.
     in_box: f64,
+    /// Of the mesh that it is the inside of.
+    vertices: f64,
+    triangles: f64,
 }
 
 impl Solid {
     fn of(input: &Input, parameters: &Parameters, voxels: f64) -> Self {
         let product = |dims: [usize; 3]| dims.iter().map(|&d| d as f64).product();
+        let nothing = Self { seconds: 0.0, in_box: 0.0, vertices: 0.0, triangles: 0.0 };
         match input {
-            Input::Solid(grid) => Self { seconds: 0.0, in_box: product(grid.frame().dims()) },
-            Input::Surface(_) | Input::Shape(_) => Self { seconds: 0.0, in_box: 0.0 },
+            Input::Solid(grid) => Self { in_box: product(grid.frame().dims()), ..nothing },
+            Input::Surface(_) | Input::Shape(_) => nothing,
             Input::Volume(mesh) => {
                 let goes_on = || ControlFlow::Continue(());
                 match mser3d_voxelize::estimate(mesh, &parameters.voxelize, &goes_on) {
                     // Topology and components of the solid beside the voxelizer's own work.
                     Ok(cost) => Self {
-                        seconds: cost.seconds + 0.1e-6 * voxels + vertex_seconds(mesh),
+                        seconds: cost.seconds + 0.1e-6 * voxels,
                         in_box: product(cost.dims),
+                        vertices: mesh.vertices().len() as f64,
+                        triangles: mesh.triangles().len() as f64,
                     },
                     // It will be refused, after a look at each triangle.
-                    Err(_) => Self { seconds: 0.3e-6 * mesh.triangles().len() as f64, in_box: 0.0 },
+                    Err(_) => Self { seconds: 0.3e-6 * mesh.triangles().len() as f64, ..nothing },
                 }
             }
         }

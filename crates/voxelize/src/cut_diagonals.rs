@@ -13,8 +13,7 @@ use rayon::prelude::*;
 impl PlacedSurface<'_> {
     /// The pairs of diagonal neighbours that the surface parts. Cost: 10 short segments for each voxel.
     pub fn cut_diagonals(&self, grid: &VoxelGrid) -> Vec<[u32; 2]> {
-        let corners = (0..self.surface.triangles.len()).map(|t| self.surface.corners(t)).collect();
-        let bvh = &Bvh::over(corners);
+        let bvh = &Bvh::over(self.surface.triangles.len(), |triangle| self.surface.corners(triangle));
         let voxels: Vec<[u32; 3]> = grid.voxels().collect();
         let voxels = &voxels;
         let around = |u: usize| {

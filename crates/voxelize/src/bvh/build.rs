@@ -46,19 +46,20 @@ fn half_area(bounds: &BoundingBox) -> f64 {
 impl Bvh {
     /// A hierarchy over all triangles of a mesh.
     pub fn new(mesh: &TriangleMesh) -> Self {
-        Self::over((0..mesh.triangles().len()).map(|t| mesh.corners(t)).collect())
+        Self::over(mesh.triangles().len(), |triangle| mesh.corners(triangle))
     }
 
-    /// A hierarchy over loose triangles.
-    pub(crate) fn over(corners: Vec<[Vec3; 3]>) -> Self {
-        let item = |(number, triangle): (usize, &[Vec3; 3])| {
-            let bounds = triangle.iter().fold(NOTHING, |b, &p| joined(b, &BoundingBox { min: p, max: p }));
-            Item { bounds, number: number as u32 }
+    /// A hierarchy over so many loose triangles with these corners.
+    pub(crate) fn over(count: usize, corners: impl Fn(usize) -> [Vec3; 3]) -> Self {
+        let item = |number: usize| {
+            let ends = corners(number).into_iter().map(|p| BoundingBox { min: p, max: p });
+            Item { bounds: ends.fold(NOTHING, |all, end| joined(all, &end)), number: number as u32 }
         };
-        let mut items: Vec<Item> = corners.iter().enumerate().map(item).collect();
+        let mut items: Vec<Item> = (0..count).map(item).collect();
         let nodes = if items.is_empty() { Vec::new() } else { subtree(&mut items, 0) };
         let numbers: Vec<u32> = items.iter().map(|i| i.number).collect();
-        let corners = numbers.iter().map(|&t| corners[t as usize]).collect();
+        drop(items);
+        let corners = numbers.iter().map(|&t| corners(t as usize)).collect();
         Self { nodes, numbers, corners }
     }
 }

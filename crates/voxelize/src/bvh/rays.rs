@@ -4,7 +4,8 @@
 use super::stack::Stack;
 use super::{Bvh, Node};
 use crate::predicates::{orient3d, side};
-use mser3d_shape::vector::{Vec3, cross, sub};
+use mser3d_shape::BoundingBox;
+use mser3d_shape::vector::{Vec3, add, cross, scale, sub};
 
 /// Where a ray meets a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -151,13 +152,11 @@ impl Bvh {
         if self.is_empty() {
             return;
         }
-        let low: Vec3 = std::array::from_fn(|a| p[a].min(q[a]));
-        let high: Vec3 = std::array::from_fn(|a| p[a].max(q[a]));
+        let segment = Segment::new(p, q, &self.nodes[0].bounds);
         let mut stack = Stack::new();
         while let Some(i) = stack.pop() {
             let node = &self.nodes[i];
-            let apart = (0..3).any(|a| node.bounds.min[a] > high[a] || node.bounds.max[a] < low[a]);
-            if apart {
+            if segment.is_apart(&node.bounds) {
                 continue;
             }
             if node.count == 0 {
@@ -191,4 +190,36 @@ fn passes_within(corners: &[Vec3; 3], p: Vec3, q: Vec3) -> bool {
     let [a, b, c] = *corners;
     let first = turn(a, b);
     first == turn(b, c) && first == turn(c, a)
+}
+
+/// A segment that is compared with boxes by separating axes: those of the box, and their cross products with the segment.
+struct Segment {
+    middle: Vec3,
+    /// Half of the way from one end to the other, and its absolute values.
+    half: Vec3,
+    size: Vec3,
+    /// What rounding may have moved.
+    slack: f64,
+}
+
+impl Segment {
+    fn new(p: Vec3, q: Vec3, all: &BoundingBox) -> Self {
+        let half = scale(sub(q, p), 0.5);
+        let reach = [p, q, all.min, all.max].iter().flatten().fold(0.0f64, |most, x| most.max(x.abs()));
+        let (middle, size) = (scale(add(p, q), 0.5), half.map(f64::abs));
+        Self { middle, half, size, slack: 16.0 * f64::EPSILON * reach }
+    }
+
+    /// Whether it certainly does not touch a box.
+    #[inline]
+    fn is_apart(&self, bounds: &BoundingBox) -> bool {
+        let away: Vec3 = std::array::from_fn(|a| 0.5 * (bounds.min[a] + bounds.max[a]) - self.middle[a]);
+        let extent: Vec3 = std::array::from_fn(|a| 0.5 * (bounds.max[a] - bounds.min[a]) + self.slack);
+        (0..3).any(|a| {
+            let (b, c) = ((a + 1) % 3, (a + 2) % 3);
+            let across = (self.half[b] * away[c] - self.half[c] * away[b]).abs();
+            away[a].abs() > extent[a] + self.size[a]
+                || across > extent[b] * self.size[c] + extent[c] * self.size[b]
+        })
+    }
 }

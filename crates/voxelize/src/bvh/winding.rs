@@ -52,7 +52,7 @@ impl WindingTree {
     }
 
     pub(crate) fn over(corners: Vec<[Vec3; 3]>) -> Self {
-        let bvh = Bvh::over(corners);
+        let bvh = Bvh::over(corners.len(), |triangle| corners[triangle]);
         let (mut expansions, mut areas) = (Vec::new(), Vec::new());
         // Children come after their parents; going back, those whose parent is still to come wait here.
         let mut waiting: Vec<Moments> = Vec::new();
