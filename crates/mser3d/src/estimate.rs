@@ -123,14 +123,15 @@ impl Parameters {
             }
             Domain::Surface => (elements, surface_spectrum(elements, k).seconds),
         };
-        let solid = match input {
+        let solid = Solid::of(input, self, elements);
+        let voxels = match input {
             // The box around what is moved, which is wider; and the components in it.
             Input::Solid(grid) => 0.4e-6 * occupied(grid).1.iter().map(|&n| f64::from(n)).product::<f64>(),
-            _ => Solid::of(input, self, elements).seconds,
+            _ => solid.seconds,
         };
         // Where each voxel and each vertex is on the copy.
-        let places = 1e-6 * elements + NEAREST * Solid::of(input, self, elements).vertices;
-        solid + 0.6 * spectrum + trees * n * 170e-9 + places + weight_work(self, input, n).seconds
+        let places = 1e-6 * elements + NEAREST * solid.vertices;
+        voxels + 0.6 * spectrum + trees * n * 170e-9 + places + weight_work(self, input, n).seconds
     }
 }
 

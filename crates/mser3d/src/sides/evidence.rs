@@ -12,7 +12,7 @@ use crate::Region;
 const ACCIDENT: f64 = 0.011;
 
 /// The field whose sign is that of sides: in a volume that of the times 0.1, 0.2 and 0.8. No field has the same sign on all
-/// kinds of bodies; this one has on all poses of each kind that was tried.
+/// kinds of bodies; this one has on all poses of each kind that was tried. On a surface it is that of 0.2 and 1.6.
 const CONVENTION: usize = 11;
 
 /// The evidence of a body.
