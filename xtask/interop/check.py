@@ -18,12 +18,11 @@ def check_csv(mesh, folder):
     equal("number of rows", len(rows), len(matches))
     for row, match in zip(rows, matches):
         equal("columns", sorted(row), sorted(set(match) - {"truth"} | {"overlap", "mirrored_overlap", "verdict"}))
-        for key in ["region", "partner", "rival"]:
+        for key in ["region", "partner", "rival", "symmetric_partner"]:
             equal(key, int(row[key]) if row[key] else None, match[key])
         for key in ["distance", "rival_distance"]:
             equal(key, float(row[key]) if row[key] else None, match[key])
-        for key in ["ambiguous", "symmetric"]:
-            equal(key, row[key], str(match[key]).lower())
+        equal("ambiguous", row["ambiguous"], str(match["ambiguous"]).lower())
         # matched with --same-vertices: the truth is known
         equal("overlap", float(row["overlap"]), match["truth"]["overlap"])
     return f"{len(rows)} matches"
@@ -43,12 +42,20 @@ def check_numpy(mesh, folder):
         "voxel_index": ("<u4", (voxels, 3)),
         "grid_affine": ("<f8", (4, 4)),
         "eigenvalues": ("<f8", (record["spectrum"]["eigenpairs"],)),
-        "region_descriptor": ("<f8", (len(regions), 7)),
+        "region_descriptor": ("<f8", (len(regions), 48)),
+        "region_cosine": ("<f8", (len(regions), len(regions))),
+        "region_twin": ("<i4", (len(regions),)),
+        "region_side": ("<f8", (len(regions),)),
     }
     for name, (dtype, shape) in expected.items():
         equal(name, (arrays[name].dtype.str, arrays[name].shape), (dtype, shape))
     values = arrays["eigenvalues"]
     true("eigenvalues ascend from 0", values[0] == 0 and (np.diff(values) >= 0).all() and values[1] > 0)
+    true("cosines are symmetric, 1 with oneself", (arrays["region_cosine"] == arrays["region_cosine"].T).all() and np.allclose(np.diag(arrays["region_cosine"]), 1))
+    for name in ["twin", "side"]:
+        missing = -1 if name == "twin" else np.nan
+        wanted = [missing if r[name] is None else r[name] for r in regions]
+        true(f"{name}s are those of regions.json", np.array_equal(arrays[f"region_{name}"], wanted, equal_nan=name == "side"))
     # Regions, their numbers and centroids against regions.json; the smallest around each element.
     affine = arrays["grid_affine"]
     cell = abs(np.linalg.det(affine[:3, :3]))
