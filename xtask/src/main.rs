@@ -44,6 +44,8 @@ enum Command {
     Bench(delegate::Arguments),
     /// Experiments: make the paper's figures in docs/results again
     Figures(delegate::Arguments),
+    /// Experiments: measure maps from vertex to vertex that matched regions give
+    Maps(delegate::Arguments),
     /// Experiments: compare parts with those of other people's methods, at equal numbers
     Peers(delegate::Arguments),
     /// Experiments: score the detector on sets of poses and of persons, in a minute
@@ -54,6 +56,8 @@ enum Command {
     Selection(delegate::Arguments),
     /// Experiments: score detectors on SHREC'10, SHREC'11 or a synthetic benchmark
     Shrec11(delegate::Arguments),
+    /// Experiments: compare matches with the right side of the body
+    Sides(delegate::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -74,11 +78,13 @@ fn run(command: Command) -> Result<ExitCode, Box<dyn Error>> {
         Command::Schema(arguments) => schema::run(&arguments)?,
         Command::Bench(arguments) => return delegate::run("bench", &arguments),
         Command::Figures(arguments) => return delegate::run("figures", &arguments),
+        Command::Maps(arguments) => return delegate::run("maps", &arguments),
         Command::Peers(arguments) => return delegate::run("peers", &arguments),
         Command::Poses(arguments) => return delegate::run("poses", &arguments),
         Command::Reliability(arguments) => return delegate::run("reliability", &arguments),
         Command::Selection(arguments) => return delegate::run("selection", &arguments),
         Command::Shrec11(arguments) => return delegate::run("shrec11", &arguments),
+        Command::Sides(arguments) => return delegate::run("sides", &arguments),
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -60,6 +60,7 @@
 #![warn(missing_docs)]
 
 mod draw;
+mod eigenfunctions;
 mod error;
 mod export;
 mod field_file;
@@ -79,6 +80,7 @@ mod volume_file;
 mod write;
 
 pub use draw::{RegionPair, matched_colours};
+pub use eigenfunctions::Eigenfunctions;
 pub use error::ResultsError;
 pub use field_file::{FieldFile, FieldRecord};
 pub use folder::ResultsFolder;
