@@ -14,6 +14,7 @@
 //! |---|---|
 //! | `regions.json` | [`Record`]: version, input, parameters, warnings, trees, and the numbers of each region |
 //! | `features.npz` | the arrays below |
+//! | `eigenfunctions.npz` | if asked for: the eigenpairs of each body ([`Eigenfunctions`]) |
 //! | `surface.ply` | the mesh; colour and innermost region per vertex (none for a solid given as voxels) |
 //! | `volume.vti` | innermost region per voxel, and its part (volumes only) |
 //!

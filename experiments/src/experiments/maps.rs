@@ -49,6 +49,8 @@ struct Found {
 #[derive(Default)]
 struct Errors {
     of_pairs: Vec<Vec<f64>>,
+    /// The mean of each pair, on that side of the body where it is less; none where the symmetry is not known.
+    either: Vec<f64>,
 }
 
 /// Measures all sets, and writes the page.
@@ -67,12 +69,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let maps = ours(&set, arguments.sets.voxels, &pairs)?;
         for (&[to, _], maps) in pairs.iter().zip(&maps) {
             for (errors, map) in errors.iter_mut().zip(maps) {
-                errors.of_pairs.push(shapes[to].errors(map));
+                errors.add(&shapes[to], map, set.null.mirror());
             }
         }
         if version.is_some() {
             for (&[to, _], map) in pairs.iter().zip(of_pyfm(&python, &set, &pairs)?) {
-                errors[2].of_pairs.push(shapes[to].errors(&map));
+                errors[2].add(&shapes[to], &map, set.null.mirror());
             }
         }
         for (method, errors) in METHODS.iter().zip(&errors) {
@@ -171,14 +173,14 @@ impl Surface {
         Self { edges: mesh.edge_graph(), positions: mesh.vertices().to_vec(), unit: mesh.area().sqrt() }
     }
 
-    /// How far some vertices of another pose are mapped from themselves, over the root of the area. What no edges lead to, and
+    /// How far some vertices of another pose are mapped from their place, over the root of the area. What no edges lead to, and
     /// what has no map, counts as 1.
-    fn errors(&self, map: &[Option<u32>]) -> Vec<f64> {
+    fn errors(&self, map: &[Option<u32>], place: impl Fn(u32) -> u32 + Sync) -> Vec<f64> {
         let step = self.positions.len().div_ceil(MEASURED).max(1);
         let vertices: Vec<usize> = (0..self.positions.len()).step_by(step).collect();
         let error = |&vertex: &usize| {
             let found = map.get(vertex).copied().flatten()?;
-            let way = self.way(vertex as u32, found)? / self.unit;
+            let way = self.way(place(vertex as u32), found)? / self.unit;
             Some(way.min(1.0))
         };
         vertices.par_iter().map(|vertex| error(vertex).unwrap_or(1.0)).collect()
@@ -212,9 +214,19 @@ impl Surface {
 }
 
 impl Errors {
+    fn add(&mut self, surface: &Surface, map: &[Option<u32>], symmetry: Option<&[u32]>) {
+        let errors = surface.errors(map, |vertex| vertex);
+        if let Some(mirror) = symmetry {
+            let mirrored = surface.errors(map, |vertex| mirror[vertex as usize]);
+            self.either.push(mean(&errors).min(mean(&mirrored)));
+        }
+        self.of_pairs.push(errors);
+    }
+
     fn write(&self, rows: &mut String, set: &str, method: &str) -> std::fmt::Result {
-        let means: Vec<f64> = self.of_pairs.iter().map(|e| e.iter().sum::<f64>() / e.len() as f64).collect();
-        let mean = means.iter().sum::<f64>() / means.len() as f64;
+        let means: Vec<f64> = self.of_pairs.iter().map(|e| mean(e)).collect();
+        let either =
+            if self.either.is_empty() { "-".to_owned() } else { format!("{:.4}", mean(&self.either)) };
         let worst = means.iter().copied().fold(0.0, f64::max);
         let below = |limit: f64| {
             let share = |e: &Vec<f64>| e.iter().filter(|x| **x < limit).count() as f64 / e.len() as f64;
@@ -222,19 +234,24 @@ impl Errors {
         };
         writeln!(
             rows,
-            "| {set} | {} | {method} | {mean:.4} | {worst:.4} | {:.3} | {:.3} |",
+            "| {set} | {} | {method} | {:.4} | {worst:.4} | {:.3} | {:.3} | {either} |",
             means.len(),
+            mean(&means),
             below(0.05),
             below(0.1)
         )
     }
 }
 
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
 fn page(voxels: usize, pyfm: Option<&str>, rows: &str) -> String {
     let pyfm = match pyfm {
         Some(version) => format!(
-            "* *pyFM* ({version}): a functional map between the surfaces, from wave kernel signatures with an\n  \
-             orientation term, 30 eigenfunctions, and ZoomOut to 100. It knows nothing of regions.\n"
+            "* *pyFM* ({version}): a functional map between the surfaces, from wave kernel signatures and 30\n  \
+             eigenfunctions, and ZoomOut to 100. It knows neither regions nor sides.\n"
         ),
         None => "* pyFM was not there; `cargo xtask maps --install` adds it.\n".to_owned(),
     };
@@ -245,12 +262,13 @@ Made by `cargo xtask maps` on {voxels} voxels. The regions of the first shape of
 `mser3d match` does it, and each vertex is mapped to a vertex of the other shape, both ways. The error is how far that is from the true
 vertex, along the edges of the mesh (which are longer than the shortest way on the surface) and over the root of its area, of about
 {MEASURED} vertices of each pair. A vertex without a map counts as 1. *Worst pair* is the largest of the pairs' means.
+*Either side*: the mean error where left and right may be exchanged, of each whole pair, where the symmetry is known.
 
 * *{}*: the nearest in the cosines between the heat of a vertex and that of the regions.
 * *{}*: the same, made finer by eigenfunctions (`descriptors::dense_map`).
 {pyfm}
-| set | pairs | method | mean error | worst pair | below 0.05 | below 0.1 |
-|---|---|---|---|---|---|---|
+| set | pairs | method | mean error | worst pair | below 0.05 | below 0.1 | either side |
+|---|---|---|---|---|---|---|---|
 {rows}",
         METHODS[0], METHODS[1]
     )
@@ -268,7 +286,7 @@ mod tests {
         let mesh = TriangleMesh::new(vertices, vec![[0, 1, 2], [0, 2, 3]]).unwrap();
         let surface = Surface::new(&mesh);
         let map = [Some(0), Some(3), None, Some(4), Some(4)];
-        let errors = surface.errors(&map);
+        let errors = surface.errors(&map, |vertex| vertex);
         // From 1 to 3 it is twice an edge of 2, which is more than 1 over the root of 4; so is what cannot be reached.
         assert_eq!(errors, [0.0, 1.0, 1.0, 1.0, 0.0]);
         assert_eq!(surface.way(1, 3), Some(4.0));
