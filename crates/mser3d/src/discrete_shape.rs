@@ -20,7 +20,8 @@ pub struct DiscreteShape {
     elements: Elements,
     /// Where each element is: centres of voxels, positions of vertices.
     positions: Vec<[f64; 3]>,
-    /// The element of each vertex of the mesh: its nearest voxel, or the vertex that it was welded to.
+    /// The element of each vertex of the mesh: the nearest voxel that it sees from inside, or the vertex that it
+    /// was welded to.
     element_of_vertex: Vec<Option<u32>>,
     /// The mesh that voxels are the inside of.
     mesh: Option<Arc<TriangleMesh>>,
@@ -212,8 +213,9 @@ impl DiscreteShape {
         &self.positions
     }
 
-    /// The element that each vertex of the mesh takes its region from: its nearest voxel, or the first vertex at its
-    /// position. None where the vertex belongs to a body that is not part of this shape.
+    /// The element that each vertex of the mesh takes its region from: the nearest voxel that it sees from inside (where limbs
+    /// touch, the nearest of all may be of the other one), or the first vertex at its position. None where the vertex
+    /// belongs to a body that is not part of this shape.
     pub fn element_of_vertex(&self) -> &[Option<u32>] {
         &self.element_of_vertex
     }

@@ -72,9 +72,7 @@ impl Input<'_> {
         let (bodies, connectivity) = (parameters.bodies, parameters.voxelize.connectivity);
         match self {
             Self::Volume(mesh) => {
-                let SolidOfMesh { shape, voxelization, bodies, warnings } =
-                    SolidOfMesh::new(mesh, &parameters.voxelize, Some(bodies), progress)?;
-                Ok(Prepared { shape, bodies, voxelization: Some(voxelization), warnings })
+                Ok(SolidOfMesh::new(mesh, &parameters.voxelize, Some(bodies), progress)?.into())
             }
             Self::Surface(mesh) => {
                 let shape = DiscreteShape::surface(mesh)?;
@@ -94,6 +92,13 @@ impl Input<'_> {
                 Ok(Prepared { shape: *shape, bodies: everything, voxelization: None, warnings: Vec::new() })
             }
         }
+    }
+}
+
+impl From<SolidOfMesh> for Prepared {
+    fn from(solid: SolidOfMesh) -> Self {
+        let SolidOfMesh { shape, voxelization, bodies, warnings } = solid;
+        Self { shape, bodies, voxelization: Some(voxelization), warnings }
     }
 }
 

@@ -58,6 +58,7 @@ mod reliability;
 mod run_report;
 mod shells;
 mod sides;
+mod sight;
 mod solid;
 mod warning;
 mod weighing;

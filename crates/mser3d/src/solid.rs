@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use crate::bodies::{Bodies, Parts};
 use crate::progress::{Progress, ProgressFn, Stage, report};
 use crate::shells::shells;
+use crate::sight::seen_from_inside;
 use crate::{DiscreteShape, Error, Warning};
 
 /// Vertices that a thread places before it asks whether to go on.
@@ -39,6 +40,20 @@ impl SolidOfMesh {
         bodies: Option<Bodies>,
         progress: ProgressFn,
     ) -> Result<Self, Error> {
+        let elements = |whole: &Voxelization, parts: &Parts, searched: &VoxelGrid| {
+            elements_of_vertices(mesh, whole, parts, searched, progress)
+        };
+        Self::with_elements(mesh, parameters, bodies, progress, elements)
+    }
+
+    /// The same with a rule of its own for the voxels of the vertices: of the whole solid, its parts, and what is searched.
+    pub fn with_elements(
+        mesh: &TriangleMesh,
+        parameters: &VoxelizeParameters,
+        bodies: Option<Bodies>,
+        progress: ProgressFn,
+        elements: impl FnOnce(&Voxelization, &Parts, &VoxelGrid) -> Result<Vec<Option<u32>>, Error>,
+    ) -> Result<Self, Error> {
         let connectivity = parameters.connectivity;
         let goes_on = || progress(Progress { stage: Stage::Voxelize, done: 0, total: 1 });
         let everything = VoxelizeParameters { largest_only: false, ..parameters.clone() };
@@ -50,11 +65,10 @@ impl SolidOfMesh {
         let parts = Parts::of_grid(&whole.grid, connectivity, bodies.unwrap_or_default())?;
         let parts = if bodies.is_none() { parts.with_all() } else { parts };
         let (elements, voxelization) = if parts.keeps_all() {
-            let elements = elements_of_vertices(mesh, &whole.grid, &parts, &whole.grid, progress)?;
-            (elements, whole)
+            (elements(&whole, &parts, &whole.grid)?, whole)
         } else {
             let kept = whole.grid.restrict(|voxel| parts.keeps(voxel));
-            let elements = elements_of_vertices(mesh, &whole.grid, &parts, &kept, progress)?;
+            let elements = elements(&whole, &parts, &kept)?;
             (elements, whole.keep(kept, parts.dropped()))
         };
         let warnings = warnings(&voxelization, parts.warning(Domain::Volume));
@@ -90,18 +104,20 @@ enum Place {
     Speck,
 }
 
-/// The voxel of each vertex of the mesh, numbered in `searched`, which holds some components of `inside`.
+/// The voxel of each vertex of the mesh, numbered in `searched`, which holds some components of the whole solid.
 ///
 /// A vertex takes its nearest voxel. If that one belongs to a body that is not searched, so does the vertex, and
 /// it takes none. If it is a speck, the vertex takes the nearest voxel that is searched. But no vertex does whose
-/// [`Shell`] is apart from what is searched.
+/// [`Shell`] is apart from what is searched. Of what is searched it takes the nearest that it sees from inside
+/// ([`seen_from_inside`]).
 fn elements_of_vertices(
     mesh: &TriangleMesh,
-    inside: &VoxelGrid,
+    whole: &Voxelization,
     parts: &Parts,
     searched: &VoxelGrid,
     progress: ProgressFn,
 ) -> Result<Vec<Option<u32>>, Error> {
+    let inside = &whole.grid;
     let nearest = inside.nearest();
     let all = parts.keeps_all();
     let voxels: Vec<[u32; 3]> = if all { Vec::new() } else { inside.voxels().collect() };
@@ -130,12 +146,13 @@ fn elements_of_vertices(
     let nearest: NearestVoxels = searched.nearest();
     let placed: Vec<([f64; 3], (Place, u32))> =
         mesh.vertices().iter().copied().zip(places.into_iter().zip(shell_of)).collect();
-    by_chunks(&placed, progress, |&(vertex, (place, shell))| match place {
+    let voxels = by_chunks(&placed, progress, |&(vertex, (place, shell))| match place {
         _ if shells[shell as usize].is_apart(reach) => None,
         Place::Searched(voxel, _) => Some(voxel),
         Place::OtherBody => None,
         Place::Speck => nearest.voxel(vertex),
-    })
+    })?;
+    seen_from_inside(mesh, &whole.vertex_normals, searched, voxels, progress)
 }
 
 /// A connected part of the mesh, and where its vertices belong.
@@ -175,7 +192,7 @@ impl Shell {
 }
 
 /// A value for each item, in parallel, that can be cancelled.
-fn by_chunks<T: Sync, R: Send>(
+pub(crate) fn by_chunks<T: Sync, R: Send>(
     items: &[T],
     progress: ProgressFn,
     value: impl Fn(&T) -> R + Sync,

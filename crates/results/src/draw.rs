@@ -197,6 +197,7 @@ impl Results {
             name: name.to_owned(),
             mesh: &self.mesh,
             grid: self.grid.as_ref(),
+            vertex_voxel: &self.vertex_voxel,
             regions: regions.collect(),
             trees: trees.collect(),
             facts: self.facts(),

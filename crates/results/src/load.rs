@@ -52,6 +52,10 @@ impl Results {
             arrays.length("vertex_region", labels.len(), vertices)?;
             region_vertices = arrays.lists("region_vertices", regions, vertices)?;
         }
+        let mut vertex_voxel = Vec::new();
+        if let (true, Some(grid)) = (has_mesh, &grid) {
+            vertex_voxel = arrays.labels("vertex_voxel", mesh.vertices().len(), grid.len())?;
+        }
         let (mut vertex_part, mut voxel_part) = (Vec::new(), Vec::new());
         if let Some(parts) = &record.parts {
             if has_mesh {
@@ -90,6 +94,7 @@ impl Results {
             grid,
             region_vertices,
             region_voxels,
+            vertex_voxel,
             vertex_part,
             voxel_part,
             eigenvalues,

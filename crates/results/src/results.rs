@@ -22,6 +22,8 @@ pub struct Results {
     pub region_vertices: Vec<Vec<u32>>,
     /// The voxels of each region, ascending; of a surface, none.
     pub region_voxels: Vec<Vec<u32>>,
+    /// The voxel that each vertex takes its regions from, -1 for vertices of bodies that were not searched; of a surface, none.
+    pub vertex_voxel: Vec<i32>,
     /// The part of each vertex, -1 for those of bodies that were not searched; empty where no parts were asked for.
     pub vertex_part: Vec<i32>,
     /// The part of each voxel; of a surface, and where no parts were asked for, empty.
@@ -91,6 +93,11 @@ impl Results {
         let region_vertices = features.regions.iter().map(|r| r.vertices.clone()).collect();
         let elements = features.regions.iter().map(|r| r.elements.clone());
         let region_voxels = elements.map(|e| if grid.is_some() { e } else { Vec::new() }).collect();
+        let voxel = |element: &Option<u32>| element.map_or(-1, |voxel| voxel as i32);
+        let vertex_voxel = match grid {
+            Some(_) => shape.element_of_vertex().iter().map(voxel).collect(),
+            None => Vec::new(),
+        };
         let parts = features.partition.as_ref();
         let vertex_part = parts.map_or_else(Vec::new, |found| {
             found.part_of_vertex.iter().map(|part| part.map_or(-1, |part| part as i32)).collect()
@@ -117,6 +124,7 @@ impl Results {
             grid: grid.cloned(),
             region_vertices,
             region_voxels,
+            vertex_voxel,
             vertex_part,
             voxel_part,
             eigenvalues: features.bodies.iter().map(|body| body.basis.eigenvalues().to_vec()).collect(),
@@ -142,6 +150,7 @@ impl Results {
         };
         let region_vertices: Result<_, ResultsError> = self.region_voxels.iter().map(vertices_of).collect();
         self.region_vertices = region_vertices?;
+        self.vertex_voxel = nearest.iter().map(|&voxel| voxel as i32).collect();
         if self.record.parts.is_some() {
             self.vertex_part = nearest.iter().map(|&voxel| self.voxel_part[voxel as usize]).collect();
         }

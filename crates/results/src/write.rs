@@ -64,6 +64,9 @@ impl Results {
         if !self.mesh_of_voxels {
             arrays.push(("vertex_region".to_owned(), NpyArray::flat(&vertex_region[..])));
             arrays.extend(lists("region_vertices", &self.region_vertices));
+            if self.grid.is_some() {
+                arrays.push(("vertex_voxel".to_owned(), NpyArray::flat(&self.vertex_voxel[..])));
+            }
             if self.record.parts.is_some() {
                 arrays.push(("vertex_part".to_owned(), NpyArray::flat(&self.vertex_part[..])));
             }

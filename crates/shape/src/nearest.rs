@@ -27,8 +27,7 @@ impl VoxelGrid {
     /// The occupied voxel whose centre is nearest to each point; of several, the one with the
     /// smallest number. Empty for an empty grid.
     ///
-    /// This carries regions from voxels to a surface: each vertex takes its nearest voxel. For the cost, and for
-    /// points that come one by one, see [`NearestVoxels`].
+    /// For the cost, and for points that come one by one, see [`NearestVoxels`].
     pub fn nearest_voxels(&self, points: &[[f64; 3]]) -> Vec<u32> {
         let nearest = self.nearest();
         points.iter().filter_map(|&point| nearest.voxel(point)).collect()

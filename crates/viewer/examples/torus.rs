@@ -60,7 +60,8 @@ pub fn main() -> Result<(), Box<dyn Error>> {
         node: None,
     });
     let (name, regions) = ("torus".to_owned(), regions.collect());
-    let shape = PageShape { name, mesh: &mesh, grid: None, regions, trees: vec![], facts: vec![] };
+    let shape =
+        PageShape { name, mesh: &mesh, grid: None, vertex_voxel: &[], regions, trees: vec![], facts: vec![] };
     let html = page(&PageData { title: "A torus".into(), shapes: vec![shape], matches: vec![], up: Up::Y })?;
     fs::write(folder.join("mser3d-torus.html"), &html)?;
     println!("{}: {} kB", folder.join("mser3d-torus.html").display(), html.len() / 1000);

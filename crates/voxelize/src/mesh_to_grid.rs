@@ -113,6 +113,11 @@ pub fn voxelize_with(
         cut_links,
         mesh_volume,
         overlap_volume,
+        vertex_normals: if rule == InsideRule::Parity {
+            Vec::new()
+        } else {
+            surface.vertex_normals(mesh, analysis.welded)
+        },
         topology,
         warnings: Vec::new(),
         mesh_euler: analysis.euler_characteristic().filter(|_| surface.shells.len() == 1),

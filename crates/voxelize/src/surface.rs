@@ -1,6 +1,7 @@
 //! The surface that is swept: oriented shells, their holes coned off, coordinates in a safe range.
 
-use mser3d_shape::vector::Vec3;
+use crate::mesh_edges::weld;
+use mser3d_shape::vector::{Vec3, add, cross, sub};
 use mser3d_shape::{BoundingBox, TriangleMesh};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -117,6 +118,21 @@ impl<'m> Surface<'m> {
     /// Whether much of the surface is boundary.
     pub fn tangled(&self) -> bool {
         self.boundary_sides as f64 > TANGLED * self.caps as f64
+    }
+
+    /// For each vertex of the mesh twice the sum of the area vectors of the triangles around, without caps, in the mesh's
+    /// own units. Vertices at one place have one sum, if triangles were welded there.
+    pub fn vertex_normals(&self, mesh: &TriangleMesh, welded: bool) -> Vec<Vec3> {
+        let mut normals = vec![[0.0; 3]; mesh.vertices().len()];
+        for triangle in &self.triangles[..self.caps] {
+            let [a, b, c] = triangle.map(|v| mesh.vertices()[v as usize]);
+            let normal = cross(sub(b, a), sub(c, a));
+            triangle.iter().for_each(|&v| normals[v as usize] = add(normals[v as usize], normal));
+        }
+        match welded.then(|| weld(mesh.vertices())).flatten() {
+            Some(first) => first.iter().map(|&v| normals[v as usize]).collect(),
+            None => normals,
+        }
     }
 
     /// Volume enclosed by all shells and caps, in scaled units.

@@ -37,6 +37,9 @@ pub struct Voxelization {
     pub mesh_volume: Option<f64>,
     /// Volume that is covered more than once, in length^3.
     pub overlap_volume: f64,
+    /// Normals of the mesh's vertices, of any length: outwards, as shells were turned for the inside test. Empty where
+    /// crossings are counted.
+    pub vertex_normals: Vec<[f64; 3]>,
     /// Components, tunnels and cavities of `grid` under face links.
     pub topology: GridTopology,
     /// What the user should know, the most important first.

@@ -95,7 +95,11 @@ fn a_volume_writes_four_files_that_agree() {
     assert_eq!(report["voxelization"]["voxels"], count);
     let found = list(&report, "regions");
     assert!(found.len() >= 10 && voxels.len() == found.len() && vertices.len() == found.len());
+    let voxel_of = arrays.integers("vertex_voxel");
+    assert_eq!(voxel_of.len(), 3756);
     for (id, region) in found.iter().enumerate() {
+        let inside = |v: &i64| voxel_of[*v as usize] >= 0 && voxels[id].contains(&voxel_of[*v as usize]);
+        assert_eq!((0..3756).filter(inside).collect::<HashSet<i64>>(), vertices[id]);
         assert_eq!(region["id"], id);
         assert_eq!(region["voxels"], voxels[id].len());
         assert_eq!(region["vertices"], vertices[id].len());

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::warp::Warp;
 use crate::input::Prepared;
 use crate::progress::ProgressFn;
+use crate::solid::SolidOfMesh;
 use crate::{DiscreteShape, Error, Input, Parameters};
 
 /// What is deformed: the mesh or the mask that a shape was made of.
@@ -91,7 +92,10 @@ impl<'a> Original<'a> {
                 }
                 parameters.voxelize.frame = None;
                 let moved = moved(mesh, &warp)?;
-                let prepared = Input::Volume(&moved).prepare(&parameters, progress)?;
+                let elements = |_: &_, _: &_, grid: &_| Ok(voxels_of_vertices(shape, &warp, grid));
+                let (voxelize, bodies) = (&parameters.voxelize, Some(parameters.bodies));
+                let prepared: Prepared =
+                    SolidOfMesh::with_elements(&moved, voxelize, bodies, progress, elements)?.into();
                 let coarse = !regions.iter().all(Place::is_on_vertices);
                 let became = coarse.then(|| voxels_of(shape, |place| warp.apply(place), &prepared.shape));
                 Ok(Deformed { prepared, areas: Some(mesh.vertex_areas()), became })
@@ -160,6 +164,17 @@ fn voxels_of(
     let reach = REACH * grid.frame().spacing().into_iter().fold(0.0, f64::max);
     let voxel = |&place: &[f64; 3]| nearest.voxel_within(moved(place), reach).map(|found| found.0);
     original.positions().par_iter().map(voxel).collect()
+}
+
+/// The voxel of each vertex of a copy: what the vertex's voxel on the original became. None is far from it.
+fn voxels_of_vertices(original: &DiscreteShape, warp: &Warp, grid: &VoxelGrid) -> Vec<Option<u32>> {
+    let nearest = grid.nearest();
+    let reach = REACH * grid.frame().spacing().into_iter().fold(0.0, f64::max);
+    let voxel = |&element: &Option<u32>| {
+        let place = warp.apply(original.positions()[element? as usize]);
+        nearest.voxel_within(place, reach).map(|found| found.0)
+    };
+    original.element_of_vertex().par_iter().map(voxel).collect()
 }
 
 impl Deformed {

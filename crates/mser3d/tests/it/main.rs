@@ -7,6 +7,7 @@ mod bodies;
 mod parts;
 mod reliability;
 mod sides;
+mod sight;
 mod weights;
 mod without_parts;
 

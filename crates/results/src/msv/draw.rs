@@ -20,6 +20,8 @@ struct Drawn<'a> {
     innermost: Vec<u32>,
     /// The faces of the voxels.
     mesh: TriangleMesh,
+    /// The voxel of each of its vertices.
+    vertex_voxel: Vec<i32>,
     /// Vertices and voxels of each region, ascending.
     members: Vec<[Vec<u32>; 2]>,
     colours: Vec<Rgb>,
@@ -75,6 +77,7 @@ impl MsvResults {
             name: self.name(),
             mesh: &drawn.mesh,
             grid: Some(&drawn.grid),
+            vertex_voxel: &drawn.vertex_voxel,
             regions: regions.collect(),
             trees: Vec::new(),
             facts,
@@ -130,6 +133,7 @@ impl MsvResults {
         let nested: Vec<[u32; 2]> =
             (0..).zip(&parents).filter_map(|(id, parent)| parent.map(|parent| [parent, id])).collect();
         let colours = region_colours(regions.len(), &labels, &mesh.edge_graph(), &nested);
-        Ok(Drawn { regions, parents, grid, innermost, mesh, members, colours })
+        let vertex_voxel = nearest.into_iter().map(|voxel| voxel as i32).collect();
+        Ok(Drawn { regions, parents, grid, innermost, mesh, vertex_voxel, members, colours })
     }
 }

@@ -142,9 +142,12 @@ fn what_is_wrong_with_a_folder_is_said() {
 
     let json = folder.path().join("regions.json");
     let good = std::fs::read_to_string(&json).unwrap();
-    std::fs::write(&json, good.replacen("\"format\": 3", "\"format\": 7", 1)).unwrap();
+    let other = good.replacen(&format!("\"format\": {FORMAT}"), "\"format\": 7", 1);
+    std::fs::write(&json, other).unwrap();
     assert!(error(folder.path()).contains(&format!("in format 7, this program reads format {FORMAT}")));
-    std::fs::write(&json, &good[..good.len() / 2]).unwrap();
+    // Not inside a number, which would be a number cut short.
+    let half = good[..good.len() / 2].rfind(',').unwrap();
+    std::fs::write(&json, &good[..half]).unwrap();
     assert!(error(folder.path()).contains("regions.json: EOF"));
     std::fs::write(&json, good.replacen("\"tree\": ", "\"tree\": 9", 1)).unwrap();
     assert!(error(folder.path()).contains("region 0 names a parent, tree or twin that is none of its own"));

@@ -28,6 +28,8 @@ pub struct PageShape<'a> {
     pub mesh: &'a TriangleMesh,
     /// Its inside, if it was detected in: shown where a plane cuts the shape.
     pub grid: Option<&'a VoxelGrid>,
+    /// The voxel of each vertex of the surface, which enters a tree with it; -1 for none, which never enters. Empty without a grid.
+    pub vertex_voxel: &'a [i32],
     /// Its regions, in the order of their ids.
     pub regions: Vec<PageRegion<'a>>,
     /// The trees the regions come from, one per time scale; may be empty.
@@ -130,6 +132,12 @@ impl PageShape<'_> {
             if let Some([tree, node]) = region.node {
                 in_range("region", number, "tree", tree, self.trees.len())?;
                 in_range("region", number, "node", node, self.trees[tree as usize].parents.len())?;
+            }
+        }
+        fits("voxels of vertices", self.vertex_voxel.len(), if self.grid.is_some() { vertices } else { 0 })?;
+        for (number, &voxel) in self.vertex_voxel.iter().enumerate() {
+            if let Ok(voxel) = u32::try_from(voxel) {
+                in_range("vertex", number, "voxel", voxel, voxels)?;
             }
         }
         let elements = if self.grid.is_some() { voxels } else { vertices };

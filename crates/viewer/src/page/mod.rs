@@ -73,6 +73,7 @@ const SCRIPTS: [&str; 13] = [
 ///     name: "tetrahedron".into(),
 ///     mesh: &mesh,
 ///     grid: None,
+///     vertex_voxel: &[],
 ///     regions: vec![region],
 ///     trees: vec![],
 ///     facts: vec![],
@@ -148,14 +149,8 @@ fn shape_json(shape: &PageShape<'_>, pack: &mut Pack) -> Value {
             "label": pack.i16(innermost(&shape.regions, grid.len(), |r| r.voxels)),
         })
     });
-    // A vertex enters with its nearest voxel.
-    let nearest = shape.grid.map(|grid| grid.nearest_voxels(mesh.vertices()));
-    let trees: Vec<Value> = shape
-        .trees
-        .iter()
-        .enumerate()
-        .map(|(i, tree)| tree_json(tree, i, shape, nearest.as_deref(), pack))
-        .collect();
+    let trees: Vec<Value> =
+        shape.trees.iter().enumerate().map(|(i, tree)| tree_json(tree, i, shape, pack)).collect();
     json!({
         "name": shape.name,
         "facts": shape.facts,
@@ -191,16 +186,14 @@ fn region_json(region: &PageRegion<'_>, shape: &PageShape<'_>, pack: &mut Pack) 
     })
 }
 
-fn tree_json(
-    tree: &PageTree<'_>,
-    number_of_tree: usize,
-    shape: &PageShape<'_>,
-    nearest: Option<&[u32]>,
-    pack: &mut Pack,
-) -> Value {
+fn tree_json(tree: &PageTree<'_>, number_of_tree: usize, shape: &PageShape<'_>, pack: &mut Pack) -> Value {
     let branches = Branches::new(tree, number_of_tree, &shape.regions);
     let share = |x: f32| (x * 65535.0).round() as u16;
-    let element = |vertex: usize| nearest.map_or(vertex, |v| v[vertex] as usize);
+    // A vertex enters with its voxel.
+    let element = |vertex: usize| match shape.grid {
+        Some(_) => shape.vertex_voxel.get(vertex).and_then(|&voxel| usize::try_from(voxel).ok()),
+        None => Some(vertex),
+    };
     let vertices = 0..shape.mesh.vertices().len();
     let voxels = 0..shape.grid.map_or(0, |grid| grid.len());
     let regions: Vec<Value> = branches.regions.iter().map(|r| json!(r.map(|(b, e)| (b, e)))).collect();
@@ -213,8 +206,8 @@ fn tree_json(
         "volumes": branches.volumes,
         "quantiles": branches.quantiles.iter().map(|&q| number(q)).collect::<Vec<_>>(),
         "regions": regions,
-        "vertexBranch": pack.u32(vertices.clone().map(|v| branches.branch[element(v)])),
-        "vertexEntered": pack.u16(vertices.map(|v| share(branches.entered[element(v)]))),
+        "vertexBranch": pack.u32(vertices.clone().map(|v| element(v).map_or(0, |e| branches.branch[e]))),
+        "vertexEntered": pack.u16(vertices.map(|v| share(element(v).map_or(1.0, |e| branches.entered[e])))),
         "voxelBranch": pack.u32(voxels.clone().map(|v| branches.branch[v])),
         "voxelEntered": pack.u16(voxels.map(|v| share(branches.entered[v]))),
     })

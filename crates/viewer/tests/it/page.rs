@@ -48,6 +48,7 @@ fn shape<'a>(mesh: &'a TriangleMesh, grid: &'a VoxelGrid) -> PageShape<'a> {
         name: "a </script><b>".into(),
         mesh,
         grid: Some(grid),
+        vertex_voxel: &[0, 1, 0, -1],
         regions: vec![region(&[0, 1, 3], &[0, 1], 2.0), region(&[1], &[1], 1.0)],
         trees: vec![tree()],
         facts: vec![["pitch".into(), "0.5".into()]],
@@ -125,6 +126,9 @@ fn data_that_do_not_fit_are_named() {
     let mut wrong = good();
     wrong.trees[0].parents = &[u32::MAX, 0];
     assert!(error(vec![wrong]).starts_with("parent of a tree's node is 0 for node 1"));
+    let mut wrong = good();
+    wrong.vertex_voxel = &[0, 2, 0, -1];
+    assert_eq!(error(vec![wrong]), "vertex 1 names voxel 2, but there are only 2 (numbered from 0)");
     let mut wrong = good();
     wrong.regions[0].node = Some([1, 0]);
     assert_eq!(error(vec![wrong]), "region 0 names tree 1, but there are only 1 (numbered from 0)");
