@@ -2,7 +2,7 @@
 //! beside theirs.
 
 pub mod peers;
-mod python;
+pub mod python;
 mod refine;
 mod resources;
 mod spectrum;

@@ -14,7 +14,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 use comparisons::peers;
-use experiments::{figures, poses, reliability, selection, shrec11, sides};
+use experiments::{figures, maps, poses, reliability, selection, shrec11, sides};
 
 /// The project's measurements.
 #[derive(Parser)]
@@ -30,6 +30,8 @@ enum Command {
     Bench(comparisons::Arguments),
     /// Make the paper's figures in docs/results again
     Figures(figures::Arguments),
+    /// Measure maps from vertex to vertex that matched regions give
+    Maps(maps::Arguments),
     /// Compare parts with those of other people's methods, at equal numbers
     Peers(peers::Arguments),
     /// Score the detector on sets of poses and of persons, in a minute
@@ -48,6 +50,7 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Bench(arguments) => comparisons::run(&arguments),
         Command::Figures(arguments) => figures::run(&arguments),
+        Command::Maps(arguments) => maps::run(&arguments),
         Command::Peers(arguments) => peers::run(&arguments),
         Command::Poses(arguments) => poses::run(&arguments),
         Command::Selection(arguments) => selection::run(&arguments),

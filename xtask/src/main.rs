@@ -44,6 +44,8 @@ enum Command {
     Bench(delegate::Arguments),
     /// Experiments: make the paper's figures in docs/results again
     Figures(delegate::Arguments),
+    /// Experiments: measure maps from vertex to vertex that matched regions give
+    Maps(delegate::Arguments),
     /// Experiments: compare parts with those of other people's methods, at equal numbers
     Peers(delegate::Arguments),
     /// Experiments: score the detector on sets of poses and of persons, in a minute
@@ -76,6 +78,7 @@ fn run(command: Command) -> Result<ExitCode, Box<dyn Error>> {
         Command::Schema(arguments) => schema::run(&arguments)?,
         Command::Bench(arguments) => return delegate::run("bench", &arguments),
         Command::Figures(arguments) => return delegate::run("figures", &arguments),
+        Command::Maps(arguments) => return delegate::run("maps", &arguments),
         Command::Peers(arguments) => return delegate::run("peers", &arguments),
         Command::Poses(arguments) => return delegate::run("poses", &arguments),
         Command::Reliability(arguments) => return delegate::run("reliability", &arguments),

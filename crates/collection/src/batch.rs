@@ -177,7 +177,8 @@ fn one(
         let input = file.input(domain)?;
         let share = budget.take(detector.parameters.estimate(&input).memory_bytes);
         let features = detector.detect(input)?;
-        ResultsFolder::create(&partial)?.write(&Results::of_file(&features, &file)?, &parameters.extras)?;
+        let results = Results::of_file(&features, &file)?.with_extras(&features, &parameters.extras);
+        ResultsFolder::create(&partial)?.write(&results, &parameters.extras)?;
         drop(share);
         Ok(())
     });

@@ -48,6 +48,16 @@ pub enum CollectionError {
         /// Its vertices.
         second_vertices: usize,
     },
+    /// No map can be made between the vertices of two shapes.
+    #[error("{} and {}: no map between them: {reason}", first.display(), second.display())]
+    NoMap {
+        /// One result.
+        first: PathBuf,
+        /// The other.
+        second: PathBuf,
+        /// Why, and what to do.
+        reason: String,
+    },
     /// A parameter is out of range.
     #[error(transparent)]
     InvalidParameter(#[from] mser3d_shape::InvalidParameter),

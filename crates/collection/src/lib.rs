@@ -75,6 +75,7 @@
 mod batch;
 mod budget;
 mod cache;
+mod dense_map;
 mod descriptor_settings;
 mod error;
 mod failure;
@@ -91,6 +92,7 @@ mod tables;
 
 pub use batch::{BatchParameters, BatchSummary, Event, Outcome, run_batch};
 pub use cache::{CacheUse, SpectrumCache};
+pub use dense_map::map_vertices;
 pub use descriptor_settings::DescriptorSettings;
 pub use error::CollectionError;
 pub use failure::Failure;

@@ -30,7 +30,7 @@ pub enum DescriptorError {
     /// An edge, a region or a selection names a vertex that is not there.
     #[error("{element} {number} names vertex {index}, but there are {vertices} vertices (numbered from 0)")]
     IndexOutOfRange {
-        /// What names the vertex: `"edge"`, `"region"` or `"selection entry"`.
+        /// What names the vertex: `"edge"`, `"region"`, `"point"` or `"selection entry"`.
         element: &'static str,
         /// Its number, from 0.
         number: usize,

@@ -13,6 +13,7 @@
 //! | bags of features | [`Vocabulary`] | section 5 |
 //! | 3D integral invariants | [`integral_invariants`] | section 5 |
 //! | matches between two shapes' regions | [`match_descriptors`] | section 6 |
+//! | a map between two shapes, point by point | [`dense_map`] | |
 //!
 //! The paper is R. Litman, A. Bronstein, M. Bronstein, *Stable volumetric features in deformable shapes*,
 //! Computers & Graphics 36 (2012).
@@ -44,6 +45,7 @@ mod assignment;
 mod chirality;
 mod commute;
 mod consistency;
+mod dense_map;
 mod descriptor_table;
 mod error;
 mod heat;
@@ -62,6 +64,7 @@ pub use assignment::assign;
 pub use chirality::{Chirality, ChiralityParameters, chirality_of_solid, chirality_of_surface};
 pub use commute::{ZERO_EIGENVALUE, commute_time, power_diffusivity, zero_modes};
 pub use consistency::RegionCosines;
+pub use dense_map::{DenseMapParameters, MapPoints, MapShape, dense_map};
 pub use descriptor_table::Descriptors;
 pub use error::DescriptorError;
 pub use heat::{auto_diffusivity, diffusion_distance, heat_kernel, heat_trace, inverse_heat_kernel};

@@ -71,7 +71,7 @@ pub fn run(args: &DetectArgs) -> Result<(), CliError> {
     let features = detector.detect(file.input(args.options.domain())?);
     meter.finish();
     let features = features.map_err(|source| CliError::detection(&file.path, source))?;
-    let mut results = Results::of_file(&features, &file)?;
+    let mut results = Results::of_file(&features, &file)?.with_extras(&features, &args.write);
     results.record.field = field.as_ref().map(|field| field.record().clone());
     folder.write(&results, &args.write)?;
     tracing::info!(folder = %output.display(), "wrote");
@@ -122,7 +122,8 @@ fn all_labels(args: &DetectArgs, parameters: Parameters, volumes: ShapeOptions) 
         shard: None,
     };
     let summary = run_plan(&args.run, &args.options, &output, &plan, parameters, &batch)?;
-    if !args.write.is_empty() && summary.computed + summary.kept > 0 {
+    let on_grid = args.write.iter().any(|extra| *extra != Extra::Eigenfunctions);
+    if on_grid && summary.computed + summary.kept > 0 {
         let done = |job: &&Job| !summary.failed.iter().any(|f| f.name == job.name);
         let shapes: Vec<String> = plan.jobs.iter().filter(done).map(|job| job.name.clone()).collect();
         let contested = write_label_map(&output, &shapes)?;

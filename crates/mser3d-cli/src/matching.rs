@@ -3,17 +3,24 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use mser3d::descriptors::{MatchParameters, MatchRule};
+use mser3d::descriptors::{DenseMapParameters, MatchParameters, MatchRule};
 use mser3d_collection::{
     CollectionError, DescribedResult, MatchRecord, Matching, MatchingParameters, judge_matching,
-    match_results,
+    map_vertices, match_results,
 };
 use mser3d_evaluation::read_symmetry;
-use mser3d_fileio::{write_atomically, write_text};
+use mser3d_fileio::{NpyArray, write_atomically, write_npy, write_text};
 use mser3d_results::{RegionPair, RenderOptions, Results, ResultsError, Up};
 
 use crate::choice::choice;
 use crate::error::{CliError, print};
+
+/// What can be written to the folder of matches besides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum MatchExtra {
+    /// For each vertex of the second shape one of the first, map.npy; both results need detect --write eigenfunctions
+    Map,
+}
 
 #[derive(clap::Args)]
 pub struct MatchArgs {
@@ -28,6 +35,9 @@ pub struct MatchArgs {
     /// Write a page for the browser too, matches.html in the folder: both shapes side by side
     #[arg(long, requires = "output")]
     pub html: bool,
+    /// Write this too, into the folder
+    #[arg(long, value_name = "WHAT", value_enum, value_delimiter = ',', requires = "output")]
+    pub write: Vec<MatchExtra>,
     /// Axis that points up, in the picture and on the page
     #[arg(long, value_parser = choice::<Up>(), default_value_t = Up::default())]
     pub up: Up,
@@ -84,10 +94,19 @@ pub fn run(args: &MatchArgs) -> Result<(), CliError> {
         let mirror = mirror.map_err(CollectionError::from)?;
         judge_matching(&mut matching, &first, &second, mirror, args.min_overlap)?;
     }
+    let map = match args.write.contains(&MatchExtra::Map) {
+        true => Some(map_vertices(&first, &second, &matching, &DenseMapParameters::default())?),
+        false => None,
+    };
     let record = MatchRecord::new(&first, &second, &parameters, &matching);
     let json = serde_json::to_string_pretty(&record).map_err(|e| CliError::Stdout(e.into()))? + "\n";
     if let Some(folder) = &args.output {
         write(folder, &first.results, &second.results, &matching, &json, args)?;
+        if let Some(map) = map {
+            // In numpy -1 is handier for none.
+            let map: Vec<i32> = map.into_iter().map(|v| v.map_or(-1, |v| v as i32)).collect();
+            write_npy(&folder.join("map.npy"), &NpyArray::flat(map))?;
+        }
     }
     for warning in &matching.warnings {
         eprintln!("mser3d: warning: {warning}");

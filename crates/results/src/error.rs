@@ -25,6 +25,16 @@ pub enum ResultsError {
         /// The folder.
         folder: PathBuf,
     },
+    /// The eigenfunctions of a result were not kept.
+    #[error(
+        "{}: there is no eigenfunctions.npz; run `mser3d detect INPUT --write eigenfunctions -o {}` again",
+        folder.display(),
+        folder.display()
+    )]
+    NoEigenfunctions {
+        /// The result's folder.
+        folder: PathBuf,
+    },
     /// The result was written in another format.
     #[error(
         "{}: written by mser3d {version} in format {found}, this program reads format {expected}; run `mser3d detect` again",

@@ -14,6 +14,7 @@
 //! |---|---|
 //! | `regions.json` | [`Record`]: version, input, parameters, warnings, trees, and the numbers of each region |
 //! | `features.npz` | the arrays below |
+//! | `eigenfunctions.npz` | if asked for: the eigenpairs of each body ([`Eigenfunctions`]) |
 //! | `surface.ply` | the mesh; colour and innermost region per vertex (none for a solid given as voxels) |
 //! | `volume.vti` | innermost region per voxel, and its part (volumes only) |
 //!
@@ -60,6 +61,7 @@
 #![warn(missing_docs)]
 
 mod draw;
+mod eigenfunctions;
 mod error;
 mod export;
 mod field_file;
@@ -79,6 +81,7 @@ mod volume_file;
 mod write;
 
 pub use draw::{RegionPair, matched_colours};
+pub use eigenfunctions::Eigenfunctions;
 pub use error::ResultsError;
 pub use field_file::{FieldFile, FieldRecord};
 pub use folder::ResultsFolder;

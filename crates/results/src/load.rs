@@ -8,7 +8,7 @@ use mser3d_shape::{BitGrid, Domain, Frame, TriangleMesh, VoxelGrid};
 use serde::Deserialize;
 
 use crate::msv::MSV_RECORD;
-use crate::write::eigenvalues_name;
+use crate::write::of_body;
 use crate::{FORMAT, GridRecord, Record, Results, ResultsError, TreeArrays};
 
 impl Results {
@@ -24,7 +24,8 @@ impl Results {
         let path = folder.join("features.npz");
         let mut arrays = Arrays { arrays: read_npz(&path)?, path };
         let regions = record.regions.len();
-        let eigenvalues = (0..record.bodies.len()).map(|body| arrays.take(&eigenvalues_name(body), numbers));
+        let eigenvalues =
+            (0..record.bodies.len()).map(|body| arrays.take(&of_body("eigenvalues", body), numbers));
         let eigenvalues = eigenvalues.collect::<Result<_, _>>()?;
         let descriptors = arrays.take("region_descriptor", numbers)?;
         let descriptor_width = descriptors.len().checked_div(regions).unwrap_or(0);
@@ -101,6 +102,7 @@ impl Results {
             descriptors,
             cosines,
             trees,
+            eigenfunctions: None,
         };
         if has_mesh { Ok(results) } else { results.with_voxel_surface() }
     }
@@ -177,14 +179,14 @@ pub(crate) fn parse<T: for<'de> Deserialize<'de>>(
     serde_json::from_slice(text).map_err(broken)
 }
 
-/// The arrays of `features.npz`.
-struct Arrays {
-    path: PathBuf,
-    arrays: BTreeMap<String, NpyArray<'static>>,
+/// The arrays of a file.
+pub(crate) struct Arrays {
+    pub path: PathBuf,
+    pub arrays: BTreeMap<String, NpyArray<'static>>,
 }
 
 impl Arrays {
-    fn broken(&self, reason: String) -> ResultsError {
+    pub fn broken(&self, reason: String) -> ResultsError {
         ResultsError::Broken { path: self.path.clone(), reason }
     }
 
@@ -193,7 +195,7 @@ impl Arrays {
         self.arrays.get("vertex_region").is_some_and(|array| !array.values().is_empty())
     }
 
-    fn take<T>(
+    pub fn take<T>(
         &mut self,
         name: &str,
         convert: fn(&NpyValues<'_>) -> Option<Vec<T>>,
@@ -204,7 +206,7 @@ impl Arrays {
             .ok_or_else(|| self.broken(format!("array {name} holds values of another type")))
     }
 
-    fn length(&self, name: &str, found: usize, expected: usize) -> Result<(), ResultsError> {
+    pub fn length(&self, name: &str, found: usize, expected: usize) -> Result<(), ResultsError> {
         if found == expected {
             return Ok(());
         }
@@ -212,7 +214,7 @@ impl Arrays {
     }
 
     /// Numbers below `count`.
-    fn indices(&mut self, name: &str, count: usize) -> Result<Vec<u32>, ResultsError> {
+    pub fn indices(&mut self, name: &str, count: usize) -> Result<Vec<u32>, ResultsError> {
         let values = self.take(name, integers)?;
         let checked = values.iter().map(|&v| u32::try_from(v).ok().filter(|&v| (v as usize) < count));
         let indices: Option<Vec<u32>> = checked.collect();
@@ -280,7 +282,7 @@ impl Arrays {
     }
 }
 
-fn integers(values: &NpyValues<'_>) -> Option<Vec<i64>> {
+pub(crate) fn integers(values: &NpyValues<'_>) -> Option<Vec<i64>> {
     match values {
         NpyValues::I32(v) => Some(v.iter().map(|&x| x.into()).collect()),
         NpyValues::U32(v) => Some(v.iter().map(|&x| x.into()).collect()),
@@ -289,7 +291,7 @@ fn integers(values: &NpyValues<'_>) -> Option<Vec<i64>> {
     }
 }
 
-fn numbers(values: &NpyValues<'_>) -> Option<Vec<f64>> {
+pub(crate) fn numbers(values: &NpyValues<'_>) -> Option<Vec<f64>> {
     match values {
         NpyValues::F64(v) => Some(v.to_vec()),
         NpyValues::F32(v) => Some(v.iter().map(|&x| x.into()).collect()),

@@ -2,7 +2,7 @@ use mser3d::{Features, Tree};
 use mser3d_shape::{Domain, IndexSet, TriangleMesh, VoxelGrid, innermost_regions};
 use mser3d_viewer::{Rgb, region_colours, voxel_surface};
 
-use crate::{InputRecord, Record, ResultsError, ShapeFile};
+use crate::{Eigenfunctions, Extra, InputRecord, Record, ResultsError, ShapeFile};
 
 /// What was found on a shape, as it is written to a folder, drawn and compared.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,6 +38,9 @@ pub struct Results {
     pub cosines: Vec<f64>,
     /// The nodes of the trees.
     pub trees: Vec<TreeArrays>,
+    /// The eigenpairs of each body, where they were kept to be written ([`Extra::Eigenfunctions`](crate::Extra)). A result that is
+    /// read has none: see [`Eigenfunctions::load`].
+    pub eigenfunctions: Option<Vec<Eigenfunctions>>,
 }
 
 /// The nodes of a component tree, children before parents.
@@ -71,6 +74,13 @@ impl Results {
     /// [`ResultsError::OtherMesh`] when the features are not that mesh's.
     pub fn new(features: &Features, mesh: Option<&TriangleMesh>, name: &str) -> Result<Self, ResultsError> {
         Self::with_record(Record::new(features, InputRecord::named(name), &[]), features, mesh)
+    }
+
+    /// The same results with what some of the files that are written besides need.
+    #[must_use]
+    pub fn with_extras(self, features: &Features, extras: &[Extra]) -> Self {
+        let kept = extras.contains(&Extra::Eigenfunctions).then(|| Eigenfunctions::of(features));
+        Self { eigenfunctions: kept, ..self }
     }
 
     fn with_record(
@@ -122,6 +132,7 @@ impl Results {
             descriptors: features.descriptors.values().to_vec(),
             cosines: features.cosines.values().to_vec(),
             trees: trees.collect(),
+            eigenfunctions: None,
         };
         if mesh.is_some() { Ok(results) } else { results.with_voxel_surface() }
     }

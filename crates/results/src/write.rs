@@ -3,6 +3,7 @@ use std::path::Path;
 use mser3d_fileio::{NpyArray, write_npz, write_text};
 use mser3d_shape::Choice;
 
+use crate::eigenfunctions::write_eigenfunctions;
 use crate::{Results, ResultsError, ResultsFolder};
 
 const FILES: [&str; 6] =
@@ -16,6 +17,8 @@ mser3d_shape::choice! {
         Nifti = "nifti",
         /// The regions' centres and tips for 3D Slicer, landmarks.mrk.json
         Landmarks = "landmarks",
+        /// The eigenpairs that the regions were found with, eigenfunctions.npz, which a map between two shapes needs
+        Eigenfunctions = "eigenfunctions",
     }
 }
 
@@ -25,6 +28,7 @@ impl Extra {
         match self {
             Self::Nifti => "regions.nii.gz",
             Self::Landmarks => "landmarks.mrk.json",
+            Self::Eigenfunctions => "eigenfunctions.npz",
         }
     }
 }
@@ -84,7 +88,7 @@ impl Results {
         }
         let shape = [self.record.regions.len(), self.descriptor_width];
         for (body, eigenvalues) in self.eigenvalues.iter().enumerate() {
-            arrays.push((eigenvalues_name(body), NpyArray::flat(&eigenvalues[..])));
+            arrays.push((of_body("eigenvalues", body), NpyArray::flat(&eigenvalues[..])));
         }
         arrays.push(("region_descriptor".to_owned(), NpyArray::new(&shape, &self.descriptors[..])?));
         let shape = [self.record.regions.len(); 2];
@@ -107,7 +111,14 @@ impl Results {
             self.export(&folder.join("volume.vti"))?;
         }
         for extra in extras {
-            self.export(&folder.join(extra.file_name()))?;
+            let path = folder.join(extra.file_name());
+            match (extra, &self.eigenfunctions) {
+                (Extra::Eigenfunctions, Some(bodies)) => write_eigenfunctions(bodies, &path)?,
+                (Extra::Eigenfunctions, None) => {
+                    return Err(ResultsError::NoEigenfunctions { folder: folder.to_owned() });
+                }
+                _ => drop(self.export(&path)?),
+            }
         }
         let path = folder.join("regions.json");
         let json = self.record.to_json();
@@ -129,11 +140,11 @@ impl Results {
     }
 }
 
-/// The array of a body's eigenvalues.
-pub(crate) fn eigenvalues_name(body: usize) -> String {
+/// The name of an array of a body.
+pub(crate) fn of_body(what: &str, body: usize) -> String {
     match body {
-        0 => "eigenvalues".to_owned(),
-        body => format!("body{body}_eigenvalues"),
+        0 => what.to_owned(),
+        body => format!("body{body}_{what}"),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Tests of weights, signatures and matches, in one binary.
 mod chirality;
 mod common;
+mod dense_map;
 #[path = "../../examples/rod.rs"]
 mod example;
 mod heat;
