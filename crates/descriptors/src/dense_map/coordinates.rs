@@ -7,6 +7,9 @@ use rayon::prelude::*;
 use super::{DenseMapParameters, MapShape};
 use crate::{DescriptorError, zero_modes};
 
+/// The share of their mean square below which a variance is that of rounding to 32 bits.
+const ROUNDING: f64 = 1e-12;
+
 /// Points in a space of `width` dimensions, row by row.
 #[derive(Clone, Debug)]
 pub(super) struct Points {
@@ -38,19 +41,25 @@ impl Points {
         Self { width: self.width + others.width, values: rows.collect() }
     }
 
-    /// The root of the mean square distance to the mean, in some of the coordinates.
-    pub fn deviation(&self, columns: Range<usize>, weights: &[f64]) -> f64 {
+    /// The factor that makes the root of the mean square distance to the mean, in some of the coordinates, `weight`.
+    /// 0 where they do not vary by more than rounding: then they say nothing.
+    pub fn factor(&self, columns: Range<usize>, weights: &[f64], weight: f64) -> f32 {
         let total: f64 = weights.iter().sum();
-        let variance = |column: usize| {
+        if total <= 0.0 {
+            return 0.0;
+        }
+        let (mut variance, mut magnitude) = (0.0, 0.0);
+        for column in columns {
             let values = self.values.iter().skip(column).step_by(self.width).map(|&x| f64::from(x));
             let (mut sum, mut squares) = (0.0, 0.0);
             for (x, w) in values.zip(weights) {
                 sum += w * x;
                 squares += w * x * x;
             }
-            (squares / total - (sum / total).powi(2)).max(0.0)
-        };
-        if total > 0.0 { columns.map(variance).sum::<f64>().sqrt() } else { 0.0 }
+            variance += (squares / total - (sum / total).powi(2)).max(0.0);
+            magnitude += squares / total;
+        }
+        if variance > ROUNDING * magnitude { (weight / variance.sqrt()) as f32 } else { 0.0 }
     }
 
     pub fn scale(&mut self, columns: Range<usize>, factor: f32) {
@@ -182,4 +191,17 @@ fn direction(vector: &[f64], weights: &[f64]) -> Vec<f64> {
 
 fn product(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coordinates_that_do_not_vary_count_nothing() {
+        let points = Points::new(2, vec![0.1, 1.0, 0.1, 3.0, 0.1, 5.0]);
+        assert_eq!(points.factor(0..1, &[1.0; 3], 1.0), 0.0);
+        assert_eq!(points.factor(1..2, &[1.0, 0.0, 1.0], 6.0), 3.0);
+        assert_eq!(points.factor(1..2, &[0.0; 3], 6.0), 0.0);
+    }
 }

@@ -138,12 +138,8 @@ pub fn dense_map(
         return Ok(Vec::new());
     }
     // Both in the same units: those of the first, where each kind of coordinate varies by its weight.
-    let mut scales = Vec::new();
     for (columns, weight) in [(to.places(), params.places), (to.signatures(), params.signatures)] {
-        let scale = weight / to.points.deviation(columns.clone(), first.weights).max(f64::MIN_POSITIVE);
-        scales.push((columns, scale as f32));
-    }
-    for (columns, scale) in scales {
+        let scale = to.points.factor(columns.clone(), first.weights, weight);
         to.points.scale(columns.clone(), scale);
         from.points.scale(columns, scale);
     }
@@ -162,14 +158,14 @@ pub fn dense_map(
         let rotation = rotation::between(&b, &a, &maps, count);
         let a = to_f32(&a, count);
         let weights: Vec<f64> = samples[0].iter().map(|_| 1.0).collect();
-        let scale = 1.0 / a.deviation(0..count, &weights).max(f64::MIN_POSITIVE);
+        let scale = a.factor(0..count, &weights, 1.0);
         let b = to_f32(&rotation::apply(&b, &rotation, count), count);
         let [a, b] = [a, b].map(|mut points| {
-            points.scale(0..count, scale as f32);
+            points.scale(0..count, scale);
             points
         });
         maps = both_ways(a.beside(&to_samples), b.beside(&from_samples));
-        last = Some((count, rotation, scale as f32));
+        last = Some((count, rotation, scale));
     }
     let Some((count, rotation, scale)) = last else { return Ok(Neighbours::new(to).of(&from)) };
     let all = |shape: &MapShape| functions_at(shape, &(0..shape.points.len()).collect::<Vec<_>>(), count);
