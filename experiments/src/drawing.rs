@@ -5,9 +5,9 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
 
-use mser3d::shape::{Graph, TriangleMesh};
+use mser3d::shape::TriangleMesh;
 use mser3d_evaluation::{Correspondence, EvaluationError, IndexSet, NullShape, Overlaps};
-use mser3d_viewer::{Colours, Image, Model, NO_REGION, Rgb, linked_colours, region_colours};
+use mser3d_viewer::{Colours, Image, Model, NO_REGION, RegionTraits, Rgb, linked_colours, region_colours};
 
 /// A mesh in the colours of the innermost regions.
 pub fn model(mesh: &TriangleMesh, regions: &[IndexSet], colours: &[Rgb]) -> Result<Model, Box<dyn Error>> {
@@ -26,10 +26,17 @@ pub fn innermost(vertices: usize, regions: &[IndexSet]) -> Vec<i32> {
     labels
 }
 
-/// A colour for each region, different ones for neighbours.
+/// A colour for each region.
 pub fn colours(mesh: &TriangleMesh, regions: &[IndexSet]) -> Vec<Rgb> {
-    let graph: Graph = mesh.edge_graph();
-    region_colours(regions.len(), &innermost(mesh.vertices().len(), regions), &graph, &[])
+    let around = |r: usize| {
+        let larger = (0..regions.len()).filter(|&q| (regions[q].len(), r) > (regions[r].len(), q));
+        let contains = |q: &usize| regions[r].members().all(|v| regions[*q].contains(v));
+        larger.filter(contains).min_by_key(|&q| regions[q].len()).map(|q| q as u32)
+    };
+    let traits: Vec<RegionTraits> = (0..regions.len())
+        .map(|r| RegionTraits { parent: around(r), family: Some(r as u32), side: None })
+        .collect();
+    region_colours(&traits, &innermost(mesh.vertices().len(), regions), &mesh.edge_graph())
 }
 
 /// The colours of another shape's regions: each has the colour of the null region that it overlaps most,

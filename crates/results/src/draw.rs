@@ -2,7 +2,7 @@ use mser3d::comptree::Polarity;
 use mser3d::descriptors::TimeScale;
 use mser3d_viewer::{
     Colours, Cut, Image, Model, NO_REGION, PageData, PageRegion, PageShape, PageTree, Panel, RenderOptions,
-    Rgb, Up, View, ViewerError, linked_colours, page, render,
+    Rgb, Up, View, ViewerError, linked_colours, page, region_colours, render,
 };
 
 use crate::{Results, ResultsError, left_and_right};
@@ -125,8 +125,7 @@ impl Results {
         Ok(page(&PageData { title: title.to_owned(), shapes, matches: Vec::new(), up })?)
     }
 
-    /// A page of two shapes beside each other. Regions of the second have the colours of those they
-    /// are matched with; [`NO_REGION`] if they are not.
+    /// A page of two shapes beside each other, in [`matched_colours`].
     ///
     /// # Errors
     /// [`ResultsError::Viewer`], also for a match of regions that are not there.
@@ -137,14 +136,14 @@ impl Results {
         title: &str,
         up: Up,
     ) -> Result<String, ResultsError> {
-        let mut second = other.page_shape(&other.name());
-        let colours = matched_colours(self, other, matches);
-        second.regions.iter_mut().zip(colours).for_each(|(region, colour)| region.colour = colour);
-        let shapes = vec![self.page_shape(&self.name()), second];
+        let mut shapes = vec![self.page_shape(&self.name()), other.page_shape(&other.name())];
+        for (shape, colours) in shapes.iter_mut().zip(matched_colours(self, other, matches)) {
+            shape.regions.iter_mut().zip(colours).for_each(|(region, colour)| region.colour = colour);
+        }
         Ok(page(&PageData { title: title.to_owned(), shapes, matches: matches.to_vec(), up })?)
     }
 
-    /// Both shapes from the front and from behind, matched regions in equal colours.
+    /// Both shapes from the front and from behind, in [`matched_colours`].
     ///
     /// # Errors
     /// [`ResultsError::Viewer`].
@@ -154,7 +153,8 @@ impl Results {
         matches: &[RegionPair],
         options: &RenderOptions,
     ) -> Result<Image, ResultsError> {
-        let models = [self.model()?, other.coloured_model(&matched_colours(self, other, matches))?];
+        let [first, second] = matched_colours(self, other, matches);
+        let models = [self.coloured_model(&first)?, other.coloured_model(&second)?];
         let names = [self.name(), other.name()];
         let panels: Vec<Panel<'_>> = BOTH_SIDES
             .into_iter()
@@ -243,10 +243,26 @@ fn tree_name(scale: Option<TimeScale>) -> String {
     }
 }
 
-/// The colours of the second shape's regions: those of the first's that they are matched with.
-pub fn matched_colours(first: &Results, second: &Results, matches: &[RegionPair]) -> Vec<Rgb> {
+/// The colours of two matched shapes: matched regions have the same, twins one hue, and the tone says on which side of the first
+/// shape they are, or of the second where the first has no sides. What is not matched is [`NO_REGION`].
+pub fn matched_colours(first: &Results, second: &Results, matches: &[RegionPair]) -> [Vec<Rgb>; 2] {
     let pairs: Vec<[u32; 2]> = matches.iter().map(|m| [m.first, m.second]).collect();
-    linked_colours(&first.colours(), &pairs, second.record.regions.len())
+    let mut traits = first.traits();
+    let mut partners = vec![None; traits.len()];
+    for [a, b] in &pairs {
+        if let Some(partner) = partners.get_mut(*a as usize) {
+            *partner = second.record.regions.get(*b as usize);
+        }
+    }
+    for (traits, partner) in traits.iter_mut().zip(partners) {
+        match partner {
+            Some(partner) => traits.side = traits.side.or(partner.side),
+            None => traits.family = None,
+        }
+    }
+    let colours = region_colours(&traits, &first.vertex_region(), &first.mesh.edge_graph());
+    let others = linked_colours(&colours, &pairs, second.record.regions.len());
+    [colours, others]
 }
 
 fn colour(colours: &[Rgb], label: i32) -> Rgb {

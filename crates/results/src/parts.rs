@@ -11,7 +11,8 @@ impl Results {
             return Err(ResultsError::NoParts { path: self.record.input.path.clone() });
         };
         let mut results = self.clone();
-        results.record.regions = parts.iter().map(as_region).collect();
+        results.record.regions =
+            parts.iter().map(|part| as_region(part, parts, &self.record.regions)).collect();
         results.record.parts = None;
         results.region_vertices = members(&self.vertex_part, parts.len());
         results.region_voxels = members(&self.voxel_part, parts.len());
@@ -22,8 +23,10 @@ impl Results {
     }
 }
 
-/// A part as far as it is like a region.
-fn as_region(part: &PartRecord) -> RegionRecord {
+/// A part as far as it is like a region. Its side is that of the region it is like.
+fn as_region(part: &PartRecord, parts: &[PartRecord], regions: &[RegionRecord]) -> RegionRecord {
+    let region = part.region.and_then(|region| regions.get(region as usize));
+    let region_twin = region.and_then(|region| region.twin);
     RegionRecord {
         id: part.id,
         parent: None,
@@ -33,12 +36,16 @@ fn as_region(part: &PartRecord) -> RegionRecord {
         stability: f64::NAN,
         reliability: None,
         lifetime: None,
-        // One alone is a mirror image; of several it isn't said which is.
+        // One alone is the mirror image; of several, that of the region's twin.
         twin: match part.twins[..] {
             [twin] => Some(twin),
-            _ => None,
+            _ => {
+                let is_twin =
+                    |twin: &&u32| parts.get(**twin as usize).is_some_and(|p| p.region == region_twin);
+                region_twin.and_then(|_| part.twins.iter().find(is_twin).copied())
+            }
         },
-        side: None,
+        side: region.and_then(|region| region.side),
         volume: part.volume,
         volume_fraction: part.volume_fraction,
         voxels: part.voxels,

@@ -1,8 +1,8 @@
 use mser3d::{Features, Tree};
 use mser3d_shape::{Domain, IndexSet, TriangleMesh, VoxelGrid, innermost_regions};
-use mser3d_viewer::{Rgb, region_colours, voxel_surface};
+use mser3d_viewer::{RegionTraits, Rgb, region_colours, voxel_surface};
 
-use crate::{Eigenfunctions, Extra, InputRecord, Record, ResultsError, ShapeFile};
+use crate::{Eigenfunctions, Extra, InputRecord, Record, RegionRecord, ResultsError, ShapeFile};
 
 /// What was found on a shape, as it is written to a folder, drawn and compared.
 #[derive(Clone, Debug, PartialEq)]
@@ -177,13 +177,17 @@ impl Results {
         &self.descriptors[region * self.descriptor_width..][..self.descriptor_width]
     }
 
-    /// The colour of each region, in all pictures of these results: neighbours on the surface differ,
-    /// and regions differ from those that contain them.
+    /// The colour of each region, in all pictures of these results ([`region_colours`]): a hue for each region and its twin,
+    /// a tone for each side. Where hues run out, small regions have the colour of those around them.
     pub fn colours(&self) -> Vec<Rgb> {
-        let regions = &self.record.regions;
-        let nested: Vec<[u32; 2]> =
-            regions.iter().filter_map(|r| r.parent.map(|parent| [parent, r.id])).collect();
-        region_colours(regions.len(), &self.vertex_region(), &self.mesh.edge_graph(), &nested)
+        region_colours(&self.traits(), &self.vertex_region(), &self.mesh.edge_graph())
+    }
+
+    /// What colours say of the regions.
+    pub(crate) fn traits(&self) -> Vec<RegionTraits> {
+        let family = |r: &RegionRecord| Some(r.twin.map_or(r.id, |twin| twin.min(r.id)));
+        let traits = |r: &RegionRecord| RegionTraits { parent: r.parent, family: family(r), side: r.side };
+        self.record.regions.iter().map(traits).collect()
     }
 
     /// The node of a region in its tree: on the way up from one of its elements, the one that comes

@@ -6,7 +6,7 @@ use std::fs;
 
 use mser3d_viewer::shape::TriangleMesh;
 use mser3d_viewer::{
-    Colours, Model, NamedView, PageData, PageRegion, PageShape, Panel, RenderOptions, Up, page,
+    Colours, Model, NamedView, PageData, PageRegion, PageShape, Panel, RegionTraits, RenderOptions, Up, page,
     region_colours, render,
 };
 
@@ -31,7 +31,8 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     let regions: [Vec<u32>; 2] = [(0..640).collect(), (960..1600).collect()];
     let labels: Vec<i32> =
         (0..2048).map(|v| regions.iter().position(|r| r.contains(&v)).map_or(-1, |r| r as i32)).collect();
-    let colours = region_colours(2, &labels, &mesh.edge_graph(), &[]);
+    let traits = [0, 1].map(|r| RegionTraits { family: Some(r), ..RegionTraits::default() });
+    let colours = region_colours(&traits, &labels, &mesh.edge_graph());
 
     let model = Model::from_mesh(&mesh, Colours::Regions { labels: &labels, colours: &colours })?;
     let panels = [NamedView::Top, NamedView::ThreeQuarter].map(|view| Panel {

@@ -50,7 +50,7 @@ pub struct GalleryPicture {
 /// use mser3d_viewer::{Gallery, GalleryPicture, GalleryRow, Image, PALETTE, gallery};
 ///
 /// let picture = |label: &str| {
-///     let image = Image::new(80, 60, PALETTE[0])?;
+///     let image = Image::new(80, 60, PALETTE[0].middle)?;
 ///     Ok::<_, mser3d_viewer::ViewerError>(GalleryPicture { image, label: label.into(), numbers: "1 %".into() })
 /// };
 /// let row = GalleryRow { subject: picture("wanted")?, others: vec![picture("found")?] };

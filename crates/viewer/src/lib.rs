@@ -16,12 +16,13 @@
 //!
 //! ```
 //! use mser3d_shape::TriangleMesh;
-//! use mser3d_viewer::{Colours, Model, Panel, RenderOptions, region_colours, render};
+//! use mser3d_viewer::{Colours, Model, Panel, RegionTraits, RenderOptions, region_colours, render};
 //!
 //! let corners = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
 //! let mesh = TriangleMesh::new(corners, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])?;
 //! let labels = [0, 0, 1, -1];
-//! let colours = region_colours(2, &labels, &mesh.edge_graph(), &[]);
+//! let regions = [0, 1].map(|r| RegionTraits { family: Some(r), ..RegionTraits::default() });
+//! let colours = region_colours(&regions, &labels, &mesh.edge_graph());
 //! let model = Model::from_mesh(&mesh, Colours::Regions { labels: &labels, colours: &colours })?;
 //! let sheet = render(&Panel::around(&model), &RenderOptions { height: 120, ..Default::default() })?;
 //! let mut png = Vec::new();
@@ -43,6 +44,7 @@ mod occlusion;
 mod page;
 mod palette;
 mod raster;
+mod region_colours;
 mod render;
 mod render_options;
 mod rgb;
@@ -61,8 +63,9 @@ pub use model::{Colours, Model};
 pub use mser3d_shape as shape;
 pub use mser3d_shape::InvalidParameter;
 pub use page::{PageData, PageRegion, PageShape, PageTree, RegionPair, page};
-pub use palette::{NO_REGION, PALETTE, linked_colours, region_colours, sequential, sequential_colours};
+pub use palette::{Hue, NO_REGION, PALETTE, sequential, sequential_colours};
 pub use png;
+pub use region_colours::{RegionTraits, linked_colours, region_colours};
 pub use render::{Panel, render};
 pub use render_options::RenderOptions;
 pub use rgb::Rgb;

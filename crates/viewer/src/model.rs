@@ -105,7 +105,13 @@ impl Model {
             blend,
             section: None,
         };
-        model.paint = model.intern(&palette, &paint);
+        match colours {
+            // Regions of one colour stay apart: a line is drawn between them.
+            Colours::Regions { .. } => {
+                (model.paint, model.colours) = (paint, palette.into_iter().map(Rgb::linear).collect());
+            }
+            _ => model.paint = model.intern(&palette, &paint),
+        }
         Ok(model)
     }
 
@@ -117,10 +123,8 @@ impl Model {
     pub fn with_regions(&self, labels: &[i32], colours: &[Rgb]) -> Result<Self, ViewerError> {
         fits("labels per vertex", labels.len(), self.points.len())?;
         let paint = region_paint(labels, colours.len())?;
-        let palette: Vec<Rgb> = [NO_REGION].iter().chain(colours).copied().collect();
-        let mut model = Self { colours: Vec::new(), blend: false, section: None, ..self.clone() };
-        model.paint = model.intern(&palette, &paint);
-        Ok(model)
+        let palette = [NO_REGION].iter().chain(colours).map(|colour| colour.linear()).collect();
+        Ok(Self { colours: palette, paint, blend: false, section: None, ..self.clone() })
     }
 
     /// The exposed faces of a voxel grid, one colour per voxel; with a cut, of the voxels whose centre

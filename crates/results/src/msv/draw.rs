@@ -2,8 +2,8 @@ use std::path::Path;
 
 use mser3d_shape::{BitGrid, TriangleMesh, VoxelGrid};
 use mser3d_viewer::{
-    Image, Model, PageData, PageRegion, PageShape, Panel, RenderOptions, Rgb, Up, page, region_colours,
-    render, voxel_surface,
+    Image, Model, PageData, PageRegion, PageShape, Panel, RegionTraits, RenderOptions, Rgb, Up, page,
+    region_colours, render, voxel_surface,
 };
 
 use super::{MsvRegion, MsvResults};
@@ -130,9 +130,10 @@ impl MsvResults {
         (0..).zip(&nearest).for_each(|(vertex, &voxel)| add(0, vertex, innermost[voxel as usize]));
         (0..).zip(&innermost).for_each(|(voxel, &region)| add(1, voxel, region));
         let labels: Vec<i32> = nearest.iter().map(|&v| innermost[v as usize] as i32).collect();
-        let nested: Vec<[u32; 2]> =
-            (0..).zip(&parents).filter_map(|(id, parent)| parent.map(|parent| [parent, id])).collect();
-        let colours = region_colours(regions.len(), &labels, &mesh.edge_graph(), &nested);
+        let traits =
+            |(id, &parent): (u32, &Option<u32>)| RegionTraits { parent, family: Some(id), side: None };
+        let traits: Vec<RegionTraits> = (0..).zip(&parents).map(traits).collect();
+        let colours = region_colours(&traits, &labels, &mesh.edge_graph());
         let vertex_voxel = nearest.into_iter().map(|voxel| voxel as i32).collect();
         Ok(Drawn { regions, parents, grid, innermost, mesh, vertex_voxel, members, colours })
     }

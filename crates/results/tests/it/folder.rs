@@ -8,6 +8,7 @@ use mser3d::voxelize::Pitch;
 use mser3d::{Detector, Input, Parameters};
 use mser3d_meshio::{ReadOptions, read_mesh};
 use mser3d_results::{FORMAT, RegionPair, RenderOptions, Results, Up};
+use mser3d_viewer::{NO_REGION, Rgb};
 
 fn dumbbell() -> TriangleMesh {
     crate::example::dumbbell().unwrap()
@@ -191,8 +192,11 @@ fn what_is_wrong_with_a_folder_is_said() {
 fn matched_regions_are_linked() {
     let results = &*VOLUME;
     let matches = [RegionPair { first: 0, second: 1, distance: 0.25 }];
-    let colours = mser3d_results::matched_colours(results, results, &matches);
-    assert_eq!(colours[1], results.colours()[0]);
+    let [first, second] = mser3d_results::matched_colours(results, results, &matches);
+    let (others, matched) = (|r: &&Rgb| **r == NO_REGION, first[0]);
+    assert_ne!(matched, NO_REGION);
+    assert_eq!(second[1], matched);
+    assert_eq!(first.iter().chain(&second).filter(others).count(), first.len() + second.len() - 2);
     let html = results.match_page(results, &matches, "pair", Up::Y).unwrap();
     assert!(html.contains("\"matches\":[[0,1,0.25]]"));
     let options = RenderOptions { height: 60, ..Default::default() };

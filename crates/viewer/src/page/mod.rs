@@ -13,7 +13,7 @@ pub use data::{PageData, PageRegion, PageShape, PageTree, RegionPair};
 use crate::page::branches::Branches;
 use crate::page::pack::Pack;
 use crate::section::is_closed;
-use crate::{NO_REGION, PALETTE, ViewerError, normals, occlusion};
+use crate::{NO_REGION, ViewerError, normals, occlusion};
 
 const TEMPLATE: &str = include_str!("../../page/page.html");
 const STYLE: &str = include_str!("../../page/page.css");
@@ -56,7 +56,7 @@ const SCRIPTS: [&str; 13] = [
 /// let corners = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
 /// let mesh = TriangleMesh::new(corners, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])?;
 /// let region = PageRegion {
-///     colour: PALETTE[0],
+///     colour: PALETTE[0].middle,
 ///     parent: None,
 ///     altitude: 0.5,
 ///     stability: 12.0,
@@ -93,7 +93,6 @@ pub fn page(data: &PageData<'_>) -> Result<String, ViewerError> {
         "title": data.title,
         "up": data.up.name(),
         "none": NO_REGION.0,
-        "palette": PALETTE.map(|c| c.0),
         "shapes": shapes,
         "matches": matches,
     });

@@ -17,7 +17,7 @@ fn grid() -> VoxelGrid {
 
 fn region<'a>(vertices: &'a [u32], voxels: &'a [u32], volume: f64) -> PageRegion<'a> {
     PageRegion {
-        colour: PALETTE[0],
+        colour: PALETTE[0].middle,
         parent: None,
         altitude: 0.5,
         stability: f64::INFINITY,

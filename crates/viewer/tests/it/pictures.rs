@@ -6,6 +6,11 @@ use mser3d_viewer::{
     RenderOptions, Rgb, View, ViewerError, gallery, render,
 };
 
+/// The palette's colours without sides.
+fn middles() -> [Rgb; 8] {
+    PALETTE.map(|hue| hue.middle)
+}
+
 /// A torus around the y axis: radii 1 and 0.4.
 fn torus() -> TriangleMesh {
     let (m, n) = (96u32, 48u32);
@@ -63,7 +68,7 @@ fn scale(image: &Image, options: &RenderOptions, width: f64) -> f64 {
 
 #[test]
 fn a_shape_covers_the_area_of_its_projection() {
-    let blue = PALETTE[5];
+    let blue = PALETTE[5].middle;
     let model = Model::from_mesh(&torus(), Colours::Uniform(blue)).unwrap();
     let image = draw(&model, View::TOP, &plain());
     let covered = count(&image, blue, &[Rgb::WHITE]) as f64;
@@ -76,10 +81,10 @@ fn a_shape_covers_the_area_of_its_projection() {
 fn region_borders_divide_the_area_in_proportion() {
     let mesh = torus();
     let labels: Vec<i32> = mesh.vertices().iter().map(|p| if p[0] < 0.3 { 0 } else { -1 }).collect();
-    let colours = [PALETTE[5]];
+    let colours = [PALETTE[5].middle];
     let model = Model::from_mesh(&mesh, Colours::Regions { labels: &labels, colours: &colours }).unwrap();
     let image = draw(&model, View::TOP, &plain());
-    let blue = count(&image, PALETTE[5], &[Rgb::WHITE]) as f64 / scale(&image, &plain(), 2.8).powi(2);
+    let blue = count(&image, PALETTE[5].middle, &[Rgb::WHITE]) as f64 / scale(&image, &plain(), 2.8).powi(2);
     // Area of the ring left of x = 0.3, by the area of circular segments.
     let right = |r: f64| r * r * (0.3 / r).acos() - 0.3 * (r * r - 0.09).sqrt();
     let expected = std::f64::consts::PI * (1.96 - 0.36) - right(1.4) + right(0.6);
@@ -89,7 +94,7 @@ fn region_borders_divide_the_area_in_proportion() {
 #[test]
 fn a_section_shows_the_inside_and_only_it() {
     let (mesh, grid) = (torus(), torus_voxels());
-    let (skin, flesh) = (PALETTE[5], PALETTE[1]);
+    let (skin, flesh) = (PALETTE[5].middle, PALETTE[1].middle);
     let cut = Cut { normal: [0., 0., 1.], offset: 0.0 };
     let voxels = vec![flesh; grid.len()];
     let model = Model::from_section(&mesh, Colours::Uniform(skin), &grid, &voxels, &cut).unwrap();
@@ -106,10 +111,11 @@ fn an_open_surface_is_filled_by_its_voxels() {
     let (mesh, grid) = (torus(), torus_voxels());
     let open = TriangleMesh::new(mesh.vertices().to_vec(), mesh.triangles()[20..].to_vec()).unwrap();
     let cut = Cut { normal: [0., 0., 1.], offset: 0.01 };
-    let voxels = vec![PALETTE[1]; grid.len()];
-    let model = Model::from_section(&open, Colours::Uniform(PALETTE[5]), &grid, &voxels, &cut).unwrap();
+    let voxels = vec![PALETTE[1].middle; grid.len()];
+    let model =
+        Model::from_section(&open, Colours::Uniform(PALETTE[5].middle), &grid, &voxels, &cut).unwrap();
     let image = draw(&model, View::FRONT, &plain());
-    let found = count(&image, PALETTE[1], &[Rgb::WHITE, PALETTE[5]]) as f64;
+    let found = count(&image, PALETTE[1].middle, &[Rgb::WHITE, PALETTE[5].middle]) as f64;
     let expected = 2.0 * std::f64::consts::PI * 0.16 * scale(&image, &plain(), 2.8).powi(2);
     assert!((found / expected - 1.0).abs() < 0.08, "{found} {expected}");
 }
@@ -117,11 +123,12 @@ fn an_open_surface_is_filled_by_its_voxels() {
 #[test]
 fn voxels_keep_their_own_colours() {
     let grid = torus_voxels();
-    let colours: Vec<Rgb> = grid.voxels().map(|v| if v[0] < 35 { PALETTE[5] } else { PALETTE[1] }).collect();
+    let colours: Vec<Rgb> =
+        grid.voxels().map(|v| if v[0] < 35 { PALETTE[5].middle } else { PALETTE[1].middle }).collect();
     let model = Model::from_voxels(&grid, &colours, None).unwrap();
     let image = draw(&model, View::TOP, &plain());
-    let [left, right] =
-        [(5, 1), (1, 5)].map(|(a, b)| count(&image, PALETTE[a], &[Rgb::WHITE, PALETTE[b]]) as f64);
+    let [left, right] = [(5, 1), (1, 5)]
+        .map(|(a, b)| count(&image, PALETTE[a].middle, &[Rgb::WHITE, PALETTE[b].middle]) as f64);
     assert!((left / right - 1.0).abs() < 0.01, "{left} {right}");
 }
 
@@ -144,7 +151,8 @@ fn the_number_of_threads_changes_no_byte() {
 fn panels_share_one_scale_and_wrap_into_rows() {
     let mesh = torus();
     let half = mesh.with_vertices(mesh.vertices().iter().map(|p| p.map(|x| x / 2.0)).collect()).unwrap();
-    let [big, small] = [&mesh, &half].map(|m| Model::from_mesh(m, Colours::Uniform(PALETTE[5])).unwrap());
+    let [big, small] =
+        [&mesh, &half].map(|m| Model::from_mesh(m, Colours::Uniform(PALETTE[5].middle)).unwrap());
     let panels = [&big, &small].map(|model| Panel { model, view: View::TOP, caption: String::new() });
     let row = render(&panels, &plain()).unwrap();
     let column = render(&panels, &RenderOptions { columns: 1, ..plain() }).unwrap();
@@ -167,7 +175,7 @@ fn mistakes_are_named() {
     assert!(matches!(error(Colours::Vertices(&[NO_REGION])), ViewerError::SizeMismatch { found: 1, .. }));
     let mut labels = vec![0; mesh.vertices().len()];
     labels[7] = 3;
-    let text = error(Colours::Regions { labels: &labels, colours: &PALETTE[..3] }).to_string();
+    let text = error(Colours::Regions { labels: &labels, colours: &middles()[..3] }).to_string();
     assert_eq!(text, "vertex 7 names region 3, but there are only 3 (numbered from 0)");
     let empty = TriangleMesh::new(vec![[0.0; 3]], vec![]).unwrap();
     assert!(matches!(Model::from_mesh(&empty, Colours::Uniform(NO_REGION)), Err(ViewerError::Empty { .. })));
@@ -189,14 +197,14 @@ fn a_flat_or_tiny_shape_is_drawn_without_trouble() {
     for size in [1e-300, 1.0, 1e150] {
         let corners = vec![[0.0; 3], [size, 0.0, 0.0], [0.0, size, 0.0]];
         let mesh = TriangleMesh::new(corners, vec![[0, 1, 2]]).unwrap();
-        let model = Model::from_mesh(&mesh, Colours::Uniform(PALETTE[5])).unwrap();
+        let model = Model::from_mesh(&mesh, Colours::Uniform(PALETTE[5].middle)).unwrap();
         let sheet = render(&Panel::around(&model), &plain()).unwrap();
-        assert!(count(&sheet, PALETTE[5], &[Rgb::WHITE]) > 1000, "{size}");
+        assert!(count(&sheet, PALETTE[5].middle, &[Rgb::WHITE]) > 1000, "{size}");
     }
     let point = TriangleMesh::new(vec![[2.0; 3]], vec![[0, 0, 0]]).unwrap();
-    let model = Model::from_mesh(&point, Colours::Uniform(PALETTE[5])).unwrap();
+    let model = Model::from_mesh(&point, Colours::Uniform(PALETTE[5].middle)).unwrap();
     let sheet = render(&Panel::around(&model), &plain()).unwrap();
-    assert_eq!(count(&sheet, PALETTE[5], &[Rgb::WHITE]), 0);
+    assert_eq!(count(&sheet, PALETTE[5].middle, &[Rgb::WHITE]), 0);
 }
 
 #[test]
@@ -205,20 +213,20 @@ fn colouring_anew_is_as_good_as_making_anew() {
     let n = torus.vertices().len() as i32;
     let labels: Vec<i32> = (0..n).map(|v| if v < n / 3 { 1 } else { -1 }).collect();
     let options = RenderOptions { height: 100, ..RenderOptions::default() };
-    let regions = Colours::Regions { labels: &labels, colours: &PALETTE };
+    let regions = Colours::Regions { labels: &labels, colours: &middles() };
     let made = Model::from_mesh(&torus, regions).unwrap();
-    for colours in [Colours::Uniform(NO_REGION), Colours::Vertices(&vec![PALETTE[3]; n as usize])] {
-        let anew = Model::from_mesh(&torus, colours).unwrap().with_regions(&labels, &PALETTE).unwrap();
+    for colours in [Colours::Uniform(NO_REGION), Colours::Vertices(&vec![PALETTE[3].middle; n as usize])] {
+        let anew = Model::from_mesh(&torus, colours).unwrap().with_regions(&labels, &middles()).unwrap();
         assert_eq!(draw(&anew, View::THREE_QUARTER, &options), draw(&made, View::THREE_QUARTER, &options));
     }
-    assert!(matches!(made.with_regions(&labels[1..], &PALETTE), Err(ViewerError::SizeMismatch { .. })));
-    assert!(matches!(made.with_regions(&labels, &PALETTE[..1]), Err(ViewerError::OutOfRange { .. })));
+    assert!(matches!(made.with_regions(&labels[1..], &middles()), Err(ViewerError::SizeMismatch { .. })));
+    assert!(matches!(made.with_regions(&labels, &middles()[..1]), Err(ViewerError::OutOfRange { .. })));
 }
 
 #[test]
 fn a_gallery_holds_its_pictures_and_nothing_else() {
     let picture = |label: &str| GalleryPicture {
-        image: Image::new(61, 40, PALETTE[2]).unwrap(),
+        image: Image::new(61, 40, PALETTE[2].middle).unwrap(),
         label: label.into(),
         numbers: "a < b".into(),
     };

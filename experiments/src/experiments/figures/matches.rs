@@ -52,7 +52,7 @@ pub fn draw(voxels: usize, more: &[PathBuf], path: &Path) -> Result<(), Box<dyn 
     let queries = different(&shapes[0].descriptors, QUERIES);
     let mut models: Vec<(String, Model)> = Vec::new();
     for (row, &query) in queries.iter().enumerate() {
-        let colour = PALETTE[row % PALETTE.len()];
+        let colour = PALETTE[row % PALETTE.len()].middle;
         let wanted =
             Descriptors::new(shapes[0].descriptors.width(), shapes[0].descriptors.row(query).to_vec())?;
         let first = &shapes[0];
