@@ -51,7 +51,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     write(&single, html.as_bytes())?;
     // The largest region stays without a match.
     let matches: Vec<RegionPair> = (1..results.record.regions.len() as u32)
-        .map(|id| RegionPair { first: id, second: id, distance: 0.0 })
+        .map(|id| RegionPair { first: id, second: id, distance: 0.0, mistake: false })
         .collect();
     let html = results.match_page(&results, &matches, "Two figures", Up::Y)?;
     write(&pair, html.as_bytes())?;

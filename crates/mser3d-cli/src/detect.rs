@@ -81,14 +81,14 @@ pub fn run(args: &DetectArgs) -> Result<(), CliError> {
     }
     if args.html {
         write_page(&output, &output.join("view.html"), Up::default(), false)?;
-        if args.options.parts.is_some() {
+        if args.options.parts.0.is_some() {
             write_page(&output, &output.join("parts.html"), Up::default(), true)?;
         }
     }
     if args.json {
         print(&results.record.to_json().map_err(|e| CliError::Stdout(e.into()))?)
     } else if !args.run.quiet {
-        print(&(table::regions(&features, &output) + &table::parts(&features)))
+        print(&table::found(&features, &output))
     } else {
         Ok(())
     }

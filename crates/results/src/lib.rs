@@ -66,6 +66,7 @@ mod error;
 mod export;
 mod field_file;
 mod folder;
+mod front;
 mod inspect;
 mod label_map;
 mod landmarks;

@@ -245,7 +245,7 @@ fn parts_are_written_shown_and_exported() {
     let (input, out) = (fixtures().join("human_rest.off"), folder.path().join("out"));
     let output = detect(&input, &out, "--voxels 4000 --eigenpairs 40 --parts 6 --html");
     assert!(output.status.success(), "{}", text(&output.stderr));
-    assert!(text(&output.stdout).ends_with("6 parts\n") && text(&output.stdout).contains(" trunk "));
+    assert!(text(&output.stdout).contains("\n6 parts\n") && text(&output.stdout).contains(" trunk "));
     let report = json(&out.join("regions.json"));
     assert_eq!(report["parameters"]["parts"]["count"]["count"], 6);
     let parts = list(&report, "parts");
@@ -279,20 +279,25 @@ fn parts_are_written_shown_and_exported() {
         let output = mser3d([&[arguments[0], out.to_str().unwrap()], &arguments[1..]].concat());
         assert!(output.status.success(), "{}", text(&output.stderr));
     };
-    run(&["render", "--parts", "--height", "60"]);
+    // Parts are shown first.
+    run(&["render", "--height", "60"]);
     assert!(out.join("parts.png").exists() && !out.join("regions.png").exists());
+    run(&["render", "--show", "regions", "--height", "60"]);
+    run(&["render", "--show", "each", "--height", "30"]);
+    assert!(out.join("regions.png").exists() && out.join("each.png").exists());
     let ply = folder.path().join("parts.ply");
     run(&["export", "--parts", "-o", ply.to_str().unwrap()]);
     assert_eq!(read_mesh(&ply, &ReadOptions::default()).unwrap().mesh.vertices().len(), 3756);
 
     // Without parts there are none to show, and those of before are gone.
-    regions(&input, &out, COARSE);
+    regions(&input, &out, &format!("{COARSE} --parts none"));
     assert!(!out.join("parts.html").exists() && json(&out.join("regions.json"))["parts"].is_null());
-    for command in ["render", "view"] {
-        let output = mser3d([command, out.to_str().unwrap(), "--parts"]);
+    for command in [&["render", "--show", "parts"][..], &["view", "--parts"]] {
+        let output = mser3d([&[command[0], out.to_str().unwrap()], &command[1..]].concat());
         assert_fails(&output, 1, &["human_rest.off", "no parts", "--parts auto"]);
     }
-    assert_fails(&detect(&input, &out, "--parts 0"), 2, &["auto, or a whole number of at least 1"]);
+    run(&["render", "--height", "50", "-o", out.join("default.png").to_str().unwrap()]);
+    assert_fails(&detect(&input, &out, "--parts 0"), 2, &["auto, none, or a whole number of at least 1"]);
 }
 
 #[test]
