@@ -12,13 +12,14 @@ use mser3d_viewer::{NamedView, Panel, View, render};
 
 use crate::choice::choice;
 use crate::error::CliError;
+use crate::output::{PICTURE, file};
 
 #[derive(clap::Args)]
 pub struct RenderArgs {
     /// Folder that `mser3d detect` or `mser3d msv` wrote
     pub folder: PathBuf,
     /// Picture to write, .png [default: regions.png in the folder, with --parts parts.png]
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", value_parser = file(PICTURE))]
     pub output: Option<PathBuf>,
     /// Draw the parts in place of the regions
     #[arg(long)]
@@ -95,10 +96,6 @@ pub fn run(args: &RenderArgs) -> Result<(), CliError> {
         .output
         .clone()
         .unwrap_or_else(|| args.folder.join(if args.parts { "parts.png" } else { "regions.png" }));
-    if !output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
-        let name = output.display();
-        return Err(CliError::Usage(format!("{name}: pictures are written as PNG; end the name in .png")));
-    }
     let options =
         RenderOptions { height: args.height, columns: args.columns, up: args.up, ..RenderOptions::default() };
     let picture = if MsvResults::is_in(&args.folder) && !args.parts {
