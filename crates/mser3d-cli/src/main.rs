@@ -15,6 +15,7 @@ mod matching;
 mod msv;
 mod numbers;
 mod options;
+mod output;
 mod progress;
 mod query;
 mod render;

@@ -14,6 +14,7 @@ use mser3d_results::{RegionPair, RenderOptions, Results, ResultsError, Up};
 
 use crate::choice::choice;
 use crate::error::{CliError, print};
+use crate::output::folder;
 
 /// What can be written to the folder of matches besides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -30,7 +31,7 @@ pub struct MatchArgs {
     pub second: PathBuf,
     /// Folder for matches.json, matches.csv and matches.png, a picture with matched regions in one
     /// colour; made if it isn't there
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", value_parser = folder())]
     pub output: Option<PathBuf>,
     /// Write a page for the browser too, matches.html in the folder: both shapes side by side
     #[arg(long, requires = "output")]

@@ -12,13 +12,14 @@ use mser3d_viewer::{NamedView, Panel, View, render_with_legend};
 
 use crate::choice::choice;
 use crate::error::CliError;
+use crate::output::{PICTURE, file};
 
 #[derive(clap::Args)]
 pub struct RenderArgs {
     /// Folder that `mser3d detect` or `mser3d msv` wrote
     pub folder: PathBuf,
     /// Picture to write, .png [default: parts.png or regions.png in the folder, by what is shown]
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", value_parser = file(PICTURE))]
     pub output: Option<PathBuf>,
     /// What is shown [default: parts, where the folder has them]
     #[arg(long, value_enum, value_name = "WHAT")]
@@ -102,12 +103,6 @@ impl Shot {
 }
 
 pub fn run(args: &RenderArgs) -> Result<(), CliError> {
-    if let Some(output) =
-        args.output.as_ref().filter(|o| !o.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")))
-    {
-        let name = output.display();
-        return Err(CliError::Usage(format!("{name}: pictures are written as PNG; end the name in .png")));
-    }
     let options = RenderOptions {
         height: args.height,
         columns: args.columns,

@@ -8,13 +8,14 @@ use mser3d_results::{Results, Up};
 
 use crate::choice::choice;
 use crate::error::{CliError, print};
+use crate::output::{PAGE, file};
 
 #[derive(clap::Args)]
 pub struct ViewArgs {
     /// Folder that `mser3d detect` or `mser3d msv` wrote
     pub folder: PathBuf,
-    /// Page to write [default: view.html in the folder, with --parts parts.html]
-    #[arg(short, long, value_name = "FILE")]
+    /// Page to write, .html [default: view.html in the folder, with --parts parts.html]
+    #[arg(short, long, value_name = "FILE", value_parser = file(PAGE))]
     pub output: Option<PathBuf>,
     /// Show the parts in place of the regions
     #[arg(long)]

@@ -84,6 +84,7 @@ mod write;
 pub use draw::{RegionPair, matched_colours};
 pub use eigenfunctions::Eigenfunctions;
 pub use error::ResultsError;
+pub use export::EXPORT_ENDINGS;
 pub use field_file::{FieldFile, FieldRecord};
 pub use folder::ResultsFolder;
 pub use inspect::{Inspection, ValuesRecord};

@@ -1,6 +1,6 @@
 //! What stands below the panels of a sheet: which colour means what, and how long things are.
 
-use crate::stroke_font::{text_width, write_text};
+use crate::text::{text_width, write_text};
 use crate::{Image, Rgb};
 
 /// The colours of one thing, and what it is.

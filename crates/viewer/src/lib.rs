@@ -50,9 +50,9 @@ mod render;
 mod render_options;
 mod rgb;
 mod section;
-mod stroke_font;
 #[cfg(test)]
 mod test_shapes;
+mod text;
 mod z_buffer;
 
 pub use camera::{NamedView, Up, View};
@@ -72,6 +72,7 @@ pub use render::{Panel, render, render_with_legend};
 pub use render_options::RenderOptions;
 pub use rgb::Rgb;
 pub use section::voxel_surface;
+pub use text::{text_width, write_text, write_text_with_halo};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -6,7 +6,7 @@ use crate::camera::{NamedView, Up, View};
 use crate::draw_panel::{Placement, draw_panel};
 use crate::legend::{INK, Legend, LegendEntry, draw_bar, round_length};
 use crate::render_options::RenderOptions;
-use crate::stroke_font::{text_width, write_text};
+use crate::text::{text_width, write_text};
 use crate::{Image, Model, ViewerError};
 
 /// One picture of a sheet: a model, where it is seen from, and what is written below.
@@ -16,7 +16,7 @@ pub struct Panel<'a> {
     pub model: &'a Model,
     /// From where.
     pub view: View,
-    /// Written below; empty for nothing. ASCII; other characters become boxes.
+    /// Written below; empty for nothing. As for [`write_text`], letters that the font lacks are boxes.
     pub caption: String,
 }
 

@@ -10,6 +10,7 @@ mod libraries;
 mod maps;
 mod msv;
 mod names;
+mod outputs;
 mod results;
 mod shell;
 mod sides;

@@ -7,7 +7,7 @@ use mser3d::shape::TriangleMesh;
 use mser3d::voxelize::Pitch;
 use mser3d::{Detector, Input, Parameters};
 use mser3d_meshio::{ReadOptions, read_mesh};
-use mser3d_results::{FORMAT, RegionPair, RenderOptions, Results, Up};
+use mser3d_results::{EXPORT_ENDINGS, FORMAT, RegionPair, RenderOptions, Results, Up};
 use mser3d_viewer::{NO_REGION, Rgb};
 
 fn dumbbell() -> TriangleMesh {
@@ -237,11 +237,17 @@ fn the_ending_says_what_is_exported() {
     }
     let read = read_mesh(&path("a.PLY"), &ReadOptions::default()).unwrap().mesh;
     assert_eq!(read, VOLUME.mesh);
+    for ending in EXPORT_ENDINGS {
+        let named = path(&format!("each{ending}"));
+        VOLUME.export(&named).unwrap();
+        assert!(named.is_file(), "{ending}");
+    }
     let error = |name: &str| VOLUME.export(&path(name)).unwrap_err().to_string();
     for name in ["a.fbx", "a"] {
         assert!(
-            error(name)
-                .ends_with("no such format; end the name in .glb, .ply, .vtp, .vti, .nii.gz or .mrk.json")
+            error(name).ends_with(
+                "no such format; end the name in .glb, .ply, .vtp, .vti, .nii.gz, .nii or .mrk.json"
+            )
         );
     }
     let mut surface = VOLUME.clone();
