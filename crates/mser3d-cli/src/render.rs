@@ -169,7 +169,7 @@ fn draw(
         return Err(CliError::Usage("--views inside and voxels need a volume, and this is a surface".into()));
     }
     let cut = results.cut(args.cut_axis.map(|axis| axis as usize), args.cut_at, args.up, front);
-    let surface = results.model()?;
+    let surface = results.numbered_model(&results.colours())?;
     let mut open = None;
     let mut voxels = None;
     if shots.contains(&Shot::Inside) {

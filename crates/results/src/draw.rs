@@ -22,6 +22,25 @@ impl Results {
         self.coloured_model(&self.colours())
     }
 
+    /// The same with the number of each region that has a colour of its own written on it.
+    ///
+    /// # Errors
+    /// [`ResultsError::Viewer`].
+    pub fn numbered_model(&self, colours: &[Rgb]) -> Result<Model, ResultsError> {
+        let number = |r: &RegionRecord| {
+            let mut region = r;
+            // What has the colour of the region around it has its number too.
+            for _ in 0..colours.len() {
+                let same = |p: &u32| colours[*p as usize] == colours[region.id as usize];
+                let Some(parent) = region.parent.filter(same) else { break };
+                region = &self.record.regions[parent as usize];
+            }
+            if colours[region.id as usize] == NO_REGION { String::new() } else { region.id.to_string() }
+        };
+        let numbers = self.record.regions.iter().map(number).collect();
+        Ok(self.coloured_model(colours)?.with_labels(numbers))
+    }
+
     /// The same with other colours, such as those of another shape's matched regions.
     ///
     /// # Errors
@@ -237,7 +256,7 @@ impl Results {
         options: &RenderOptions,
     ) -> Result<Image, ResultsError> {
         let [first, second] = matched_colours(self, other, matches);
-        let models = [self.coloured_model(&first)?, other.coloured_model(&second)?];
+        let models = [self.numbered_model(&first)?, other.numbered_model(&second)?];
         let names = [self.name(), other.name()];
         let fronts = [self, other].map(|results| results.front(options.up).unwrap_or(0.0));
         let panel = |view: View, shape: usize| Panel {

@@ -37,6 +37,7 @@ mod draw_panel;
 mod error;
 mod gallery;
 mod image;
+mod labels;
 mod legend;
 mod lighting;
 mod model;
