@@ -9,6 +9,9 @@ pub enum CollectionError {
     /// A result cannot be read.
     #[error(transparent)]
     Results(#[from] mser3d_results::ResultsError),
+    /// A stage of the search failed.
+    #[error(transparent)]
+    Detect(#[from] mser3d::Error),
     /// A shape has no regions to compare.
     #[error(
         "{}: this shape has no regions, so there is nothing to compare; detect with a smaller --min-volume or --window",

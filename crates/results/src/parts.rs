@@ -46,6 +46,8 @@ fn as_region(part: &PartRecord) -> RegionRecord {
         centroid: part.centroid,
         tip: part.centroid,
         oriented_box: part.oriented_box,
+        track: None,
+        colour: None,
     }
 }
 

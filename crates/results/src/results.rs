@@ -178,9 +178,13 @@ impl Results {
     }
 
     /// The colour of each region, in all pictures of these results: neighbours on the surface differ,
-    /// and regions differ from those that contain them.
+    /// and regions differ from those that contain them. The regions of a frame of a sequence have the colours of their tracks.
     pub fn colours(&self) -> Vec<Rgb> {
         let regions = &self.record.regions;
+        let own: Option<Vec<Rgb>> = regions.iter().map(|region| region.colour.map(Rgb)).collect();
+        if let (Some(own), false) = (own, regions.is_empty()) {
+            return own;
+        }
         let nested: Vec<[u32; 2]> =
             regions.iter().filter_map(|r| r.parent.map(|parent| [parent, r.id])).collect();
         region_colours(regions.len(), &self.vertex_region(), &self.mesh.edge_graph(), &nested)
