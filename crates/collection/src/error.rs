@@ -119,6 +119,16 @@ pub enum CollectionError {
         /// Pictures on it.
         pictures: usize,
     },
+    /// A page of a sequence would be too large to be sent and opened.
+    #[error(
+        "a page of two frames would have {bytes} bytes, more than {limit}; track meshes of fewer vertices, or leave out --html"
+    )]
+    LargeSequence {
+        /// Bytes of the page.
+        bytes: usize,
+        /// How many there may be.
+        limit: usize,
+    },
     /// A table cannot be written or read.
     #[error("{}: {reason}", path.display())]
     Table {

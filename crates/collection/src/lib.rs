@@ -103,7 +103,9 @@ pub use label_tables::write_label_map;
 pub use matching::{DescribedResult, MatchRecord, Matching, MatchingParameters, RegionMatch, match_results};
 pub use query::{Hit, Index, QueryRecord, RegionHits};
 pub use tables::{Tables, build_tables};
-pub use track::{Sampling, plan_sequence, share_parameters, track_results};
+pub use track::{
+    Sampling, plan_sequence, share_parameters, track_glb, track_page, track_pictures, track_results,
+};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -3,10 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use mser3d_collection::{
-    BatchParameters, BatchSummary, Sampling, plan_sequence, share_parameters, track_results,
+    BatchParameters, BatchSummary, Sampling, plan_sequence, share_parameters, track_glb, track_page,
+    track_pictures, track_results,
 };
+use mser3d_fileio::file_stem;
 use mser3d_meshio::ReadOptions;
-use mser3d_results::{Extra, TrackParameters, TracksRecord};
+use mser3d_results::{Extra, RenderOptions, TrackParameters, TracksRecord, Up};
 
 use crate::batch::{run_plan, tell_failures};
 use crate::choice::choice;
@@ -25,6 +27,21 @@ pub struct TrackArgs {
     /// Folder of the sequence; made if it isn't there
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
+    /// Write a page for the browser too, tracks.html in the folder, on which the sequence plays
+    #[arg(long)]
+    pub html: bool,
+    /// Write the animation with the colours of the tracks too, tracks.glb, for Blender and browsers
+    #[arg(long)]
+    pub glb: bool,
+    /// Draw pictures too: strip.png, frames in a row, and moving.png, an animated PNG
+    #[arg(long)]
+    pub pictures: bool,
+    /// Height of the pictures in pixels
+    #[arg(long, value_name = "PIXELS", default_value_t = 360)]
+    pub height: usize,
+    /// The axis that points up on the page and in the pictures
+    #[arg(long, value_parser = choice::<Up>(), default_value_t = Up::default())]
+    pub up: Up,
     /// Write this too, for each frame
     #[arg(long, value_name = "WHAT,...", value_parser = choice::<Extra>(), value_delimiter = ',')]
     pub write: Vec<Extra>,
@@ -76,6 +93,8 @@ pub fn run(args: &TrackArgs) -> Result<(), CliError> {
         ..TrackParameters::default()
     };
     tracking.validate().map_err(|e| CliError::Usage(format!("wrong parameter: {e}")))?;
+    let drawn = RenderOptions { height: args.height, up: args.up, ..RenderOptions::default() };
+    drawn.validate().map_err(|e| CliError::Usage(format!("wrong parameter: {e}")))?;
     let sampling = match (args.frames, args.every) {
         (Some(frames), _) => Sampling::Count(frames),
         (None, Some(seconds)) => Sampling::Every(seconds),
@@ -101,12 +120,27 @@ pub fn run(args: &TrackArgs) -> Result<(), CliError> {
         let warn = |what: &String| eprintln!("mser3d: warning: {}: {what}", args.output.display());
         tracks.warnings.iter().for_each(warn);
     }
+    if args.html {
+        let html = track_page(&args.output, &title(&args.inputs), args.up)?;
+        mser3d_fileio::write_text(&args.output.join("tracks.html"), &html)?;
+    }
+    if args.glb {
+        track_glb(&args.output)?;
+    }
+    if args.pictures {
+        track_pictures(&args.output, &drawn)?;
+    }
     if args.json {
         print_json(&tracks)?;
     } else if !args.run.quiet {
         print(&table(&tracks, &args.output, &summary))?;
     }
     tell_failures(&summary)
+}
+
+/// What the sequence is called: the first input's name.
+fn title(inputs: &[PathBuf]) -> String {
+    inputs.first().map_or_else(String::new, |input| format!("{} in motion", file_stem(input)))
 }
 
 /// The tracks, a line each, and where they are.

@@ -30,6 +30,7 @@
 //! ```
 #![warn(missing_docs)]
 
+mod animation;
 mod camera;
 mod cut;
 mod draw_panel;
@@ -47,11 +48,13 @@ mod render;
 mod render_options;
 mod rgb;
 mod section;
+mod sequence_page;
 mod stroke_font;
 #[cfg(test)]
 mod test_shapes;
 mod z_buffer;
 
+pub use animation::{frame_milliseconds, write_animation};
 pub use camera::{NamedView, Up, View};
 pub use cut::Cut;
 pub use error::ViewerError;
@@ -67,6 +70,7 @@ pub use render::{Panel, render};
 pub use render_options::RenderOptions;
 pub use rgb::Rgb;
 pub use section::voxel_surface;
+pub use sequence_page::{SequenceFrame, SequencePage, SequenceTrack, TrackPoint};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

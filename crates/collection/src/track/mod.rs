@@ -1,6 +1,10 @@
 //! Regions followed through a sequence of results.
 
+mod glb;
+mod lasting;
 mod likeness;
+mod page;
+mod pictures;
 mod reliability;
 mod sequence;
 mod tables;
@@ -12,8 +16,14 @@ use std::path::Path;
 use mser3d_results::{Record, Results, TrackParameters, TracksRecord};
 
 use crate::{CollectionError, Plan};
+pub use glb::track_glb;
+pub use page::track_page;
+pub use pictures::track_pictures;
 pub use sequence::{Sampling, plan_sequence, share_parameters};
 use tracker::Tracker;
+
+/// The name of the page of a sequence.
+const PAGE: &str = "tracks.html";
 
 /// Follows the regions of a sequence whose results a batch has put into a folder, and gives each an identity:
 ///
@@ -62,7 +72,9 @@ pub fn track_results(
 
 /// Takes away what was made of other results, the record first.
 fn remove_tracks(folder: &Path) -> Result<(), CollectionError> {
-    for name in [TracksRecord::FILE, tables::CSV, tables::PARQUET] {
+    for name in
+        [TracksRecord::FILE, tables::CSV, tables::PARQUET, PAGE, pictures::STRIP, pictures::MOVING, glb::GLB]
+    {
         let path = folder.join(name);
         match std::fs::remove_file(&path) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => {

@@ -147,10 +147,16 @@ impl Tracker {
 
     /// The tracks of all frames.
     pub fn finish(mut self) -> Result<TracksRecord, CollectionError> {
+        // Those that are found longest choose first.
+        let mut order: Vec<usize> = (0..self.tracks.len()).collect();
+        order.sort_by_key(|&track| std::cmp::Reverse(self.tracks[track].found));
+        let mut place = vec![0; order.len()];
+        order.iter().enumerate().for_each(|(to, &track)| place[track] = to as u32);
+        let touching = self.touching.pairs().into_iter().map(|pair| pair.map(|track| place[track as usize]));
         let nothing = Graph::from_edges(0, &[]).map_err(mser3d::Error::from)?;
-        let colours = region_colours(self.tracks.len(), &[], &nothing, &self.touching.pairs());
-        for (track, colour) in self.tracks.iter_mut().zip(colours) {
-            track.colour = colour.0;
+        let colours = region_colours(order.len(), &[], &nothing, &touching.collect::<Vec<_>>());
+        for (track, &place) in self.tracks.iter_mut().zip(&place) {
+            track.colour = colours[place as usize].0;
             pooled(&mut track.sightings, self.parameters.reliability_frames);
             let mean = |value: &dyn Fn(&Sighting) -> Option<f64>| {
                 let values: Vec<f64> = track.sightings.iter().filter_map(value).collect();

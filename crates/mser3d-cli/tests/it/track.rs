@@ -112,6 +112,44 @@ fn a_region_that_comes_back_in_time_is_the_same() {
 }
 
 #[test]
+fn a_sequence_is_shown_as_page_pictures_and_animated_mesh() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let handles = [6.0, 5.5, 5.0];
+    let frames: Vec<PathBuf> =
+        (0..).zip(handles).map(|(i, h)| block(at, &format!("f{i}.off"), h, 0.0, false)).collect();
+    let out = at.join("out");
+    let all = "--html --glb --pictures --height 64 --reliability 0";
+    let tracks = tracks(&frames, &out, &format!("{COARSE} {all}"));
+    let page = fs::read_to_string(out.join("tracks.html")).unwrap();
+    let head = page_head(&page);
+    assert_eq!((&head["total"], head["frames"].as_array().unwrap().len()), (&3.into(), 3));
+    assert_eq!(head["tracks"].as_array().unwrap().len(), tracks["tracks"].as_array().unwrap().len());
+    assert_eq!(head["triangles"].as_array().unwrap().len(), 1, "they are the same in all frames");
+    // Three frames, an eighth of a second each.
+    let moving = fs::read(out.join("moving.png")).unwrap();
+    let control = moving.windows(4).position(|chunk| chunk == b"acTL").unwrap();
+    assert_eq!(moving[control + 4..control + 8], [0, 0, 0, 3]);
+    assert!(fs::read(out.join("strip.png")).unwrap().starts_with(b"\x89PNG"));
+    let options = mser3d_meshio::ReadOptions { animation: Some("sequence".into()), time: 0.125 };
+    let second = mser3d_meshio::read_mesh(&out.join("tracks.glb"), &options).unwrap().mesh;
+    let highest = second.vertices().iter().map(|p| p[2]).fold(0.0, f64::max);
+    assert!((highest - 9.5).abs() < 1e-6, "{highest}");
+
+    // One mesh cannot have other triangles in each frame.
+    let other = block(at, "other.off", 6.0, 0.0, true);
+    let output = track(&[frames[0].clone(), other], &at.join("mixed"), &format!("{COARSE} --glb"));
+    assert_fails(&output, 1, &["mixed", "other triangles"]);
+    // Tracking again takes the pictures of older tracks away.
+    track(&frames, &out, &format!("{COARSE} --reliability 0"));
+    assert!(
+        !out.join("tracks.html").exists()
+            && !out.join("moving.png").exists()
+            && out.join("tracks.json").exists()
+    );
+}
+
+#[test]
 fn frames_with_other_triangles_are_compared_by_descriptor_and_place() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
