@@ -3,6 +3,8 @@
 //! Loads the page of a figure in headless Chromium over the DevTools protocol, clicks, taps and types
 //! as a user would, and checks what the page says. Screenshots go to `target/browser-test`.
 
+mod sequence;
+
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -56,8 +58,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     let html = results.match_page(&results, &matches, "Two figures", Up::Y)?;
     write(&pair, html.as_bytes())?;
 
+    sequence::page(&results, &folder.join("sequence.html"))?;
+
     let mut browser = Browser::start(&program, &SOFTWARE_GL)?;
-    let tests: [(&str, fn(&mut Session<'_>) -> Result<(), String>); 8] = [
+    let tests: [(&str, fn(&mut Session<'_>) -> Result<(), String>); 9] = [
         ("the first picture comes soon, and shows the regions' colours", shows_regions),
         ("a click on an arm shows the arm's numbers", arm_shows_its_numbers),
         ("an arm's twin is seen faintly, and a click on its name chooses it", twin_is_seen_and_chosen),
@@ -66,6 +70,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
         ("a cut shows the inside, and its regions", cut_shows_the_inside),
         ("a tap on a phone shows the arm's numbers", works_on_a_phone),
         ("a choice on one shape chooses its match on the other", matches_are_linked),
+        ("a sequence plays, and a track shows its numbers over time", sequence::plays),
     ];
     let mut passed = 0;
     for (name, test) in tests {
@@ -80,6 +85,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     let mut blind = Browser::start(&program, &["--disable-3d-apis"])?;
     let mut session = Session { browser: &mut blind, results: &results, folder: &folder };
     says_that_webgl_is_missing(&mut session)?;
+    sequence::is_read_without_webgl(&mut session)?;
     quiet(&blind)?;
     println!("ok: a browser without WebGL2 is told so, and still gets the table");
     println!("browser-test: {} passed, 0 failed; screenshots in {}", passed + 1, folder.display());

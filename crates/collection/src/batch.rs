@@ -112,7 +112,9 @@ pub fn run_batch(
             jobs.get(number).copied().zip(outcomes.get(number))
         } {
             let shape = || volumes.read(job);
-            match one(&folder, job, &shape, domain, detector, parameters, &budget) {
+            let own =
+                job.parameters.as_deref().map(|own| Detector { parameters: own.clone(), ..detector.clone() });
+            match one(&folder, job, &shape, domain, own.as_ref().unwrap_or(detector), parameters, &budget) {
                 Ok(outcome) => {
                     let through = through.fetch_add(1, Ordering::Relaxed) + 1;
                     heard(Event { job, outcome: &outcome, through, total: jobs.len() });

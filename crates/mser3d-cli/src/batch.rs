@@ -156,6 +156,12 @@ pub fn tell(
         }
         print(&tables)?;
     }
+    tell_failures(summary)
+}
+
+/// An error where shapes have failed.
+pub fn tell_failures(summary: &BatchSummary) -> Result<(), CliError> {
+    let BatchSummary { computed, kept, failed, .. } = summary;
     if failed.is_empty() {
         return Ok(());
     }

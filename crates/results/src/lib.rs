@@ -78,6 +78,7 @@ mod record;
 mod results;
 mod shape_file;
 mod sides;
+mod tracks;
 mod volume_file;
 mod write;
 
@@ -99,6 +100,7 @@ pub use record::{
 pub use results::{Results, TreeArrays};
 pub use shape_file::{Contents, ShapeFile, ShapeOptions};
 pub use sides::{left_and_right, side_text, sidedness_certainty, sidedness_kind};
+pub use tracks::{Identity, Sighting, Track, TrackParameters, TrackedFrame, TracksRecord};
 pub use volume_file::{BodyRecord, SolidVolume, VolumeFile, VolumeRecord};
 pub use write::Extra;
 

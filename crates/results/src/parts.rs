@@ -54,6 +54,8 @@ fn as_region(part: &PartRecord, parts: &[PartRecord], regions: &[RegionRecord]) 
         centroid: part.centroid,
         tip: part.centroid,
         oriented_box: part.oriented_box,
+        track: None,
+        colour: None,
     }
 }
 

@@ -31,6 +31,7 @@
 //! ```
 #![warn(missing_docs)]
 
+mod animation;
 mod camera;
 mod cut;
 mod draw_panel;
@@ -51,11 +52,13 @@ mod render;
 mod render_options;
 mod rgb;
 mod section;
+mod sequence_page;
 #[cfg(test)]
 mod test_shapes;
 mod text;
 mod z_buffer;
 
+pub use animation::{frame_milliseconds, write_animation};
 pub use camera::{NamedView, Up, View};
 pub use cut::Cut;
 pub use error::ViewerError;
@@ -73,6 +76,7 @@ pub use render::{Panel, render, render_with_legend};
 pub use render_options::RenderOptions;
 pub use rgb::Rgb;
 pub use section::voxel_surface;
+pub use sequence_page::{SequenceFrame, SequencePage, SequenceTrack, TrackPoint};
 pub use text::{text_width, write_text, write_text_with_halo};
 
 #[cfg(doctest)]

@@ -16,6 +16,7 @@ mod shell;
 mod sides;
 #[cfg(unix)]
 mod system;
+mod track;
 mod volumes;
 mod voxelize;
 mod weights;

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 pub use data::{PageData, PageRegion, PageShape, PageTree, RegionPair};
 
 use crate::page::branches::Branches;
-use crate::page::pack::Pack;
+pub(crate) use crate::page::pack::Pack;
 use crate::section::is_closed;
 use crate::{NO_REGION, ViewerError, normals, occlusion};
 
