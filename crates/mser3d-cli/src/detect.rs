@@ -28,7 +28,7 @@ pub struct DetectArgs {
     /// Folder for the results; made if it isn't there [default: the input's name]
     #[arg(short, long, value_name = "DIR", value_parser = folder())]
     pub output: Option<PathBuf>,
-    /// Write a page for the browser too, view.html in the folder, and of parts parts.html
+    /// Write a page for the browser too, view.html in the folder
     #[arg(long)]
     pub html: bool,
     /// Write this too
@@ -81,10 +81,7 @@ pub fn run(args: &DetectArgs) -> Result<(), CliError> {
         results.record.warnings.iter().for_each(warn);
     }
     if args.html {
-        write_page(&output, &output.join("view.html"), Up::default(), false)?;
-        if args.options.parts.0.is_some() {
-            write_page(&output, &output.join("parts.html"), Up::default(), true)?;
-        }
+        write_page(&output, &output.join("view.html"), Up::default())?;
     }
     if args.json {
         print(&results.record.to_json().map_err(|e| CliError::Stdout(e.into()))?)

@@ -1,12 +1,13 @@
 use mser3d::comptree::Polarity;
 use mser3d::descriptors::TimeScale;
 use mser3d_viewer::{
-    Colours, Cut, Image, LegendEntry, MISTAKE, Model, NO_REGION, PALETTE, PageData, PageRegion, PageShape,
-    PageTree, Panel, RenderOptions, Rgb, Up, View, ViewerError, linked_colours, page, region_colours, render,
-    render_with_legend,
+    Colours, Cut, Image, LegendEntry, MISTAKE, Model, NO_REGION, PALETTE, PageData, PagePart, PageParts,
+    PageRegion, PageShape, PageTree, Panel, RenderOptions, Rgb, Up, View, ViewerError, linked_colours, page,
+    region_colours, render, render_with_legend,
 };
 
-use crate::{RegionRecord, Results, ResultsError, left_and_right};
+use crate::results::traits;
+use crate::{PartRecord, RegionRecord, Results, ResultsError, left_and_right};
 
 pub use mser3d_viewer::RegionPair;
 
@@ -218,7 +219,7 @@ impl Results {
         wanted.iter().enumerate().map(|(number, &(region, colour))| picture(number, region, colour)).collect()
     }
 
-    /// A page that shows these results in a browser.
+    /// A page that shows these results in a browser: the parts first, where there are any, then the regions.
     ///
     /// # Errors
     /// [`ResultsError::Viewer`].
@@ -240,6 +241,8 @@ impl Results {
     ) -> Result<String, ResultsError> {
         let mut shapes = vec![self.page_shape(&self.name()), other.page_shape(&other.name())];
         for (shape, colours) in shapes.iter_mut().zip(matched_colours(self, other, matches)) {
+            // Matches are of regions.
+            shape.parts = None;
             shape.regions.iter_mut().zip(colours).for_each(|(region, colour)| region.colour = colour);
         }
         Ok(page(&PageData { title: title.to_owned(), shapes, matches: matches.to_vec(), up })?)
@@ -294,6 +297,7 @@ impl Results {
             altitude: r.altitude,
             stability: r.stability,
             reliability: r.reliability,
+            lifetime: r.lifetime,
             twin: r.twin,
             side: r.side,
             volume: r.volume,
@@ -317,9 +321,26 @@ impl Results {
             grid: self.grid.as_ref(),
             vertex_voxel: &self.vertex_voxel,
             regions: regions.collect(),
+            parts: self.page_parts(),
             trees: trees.collect(),
             facts: self.facts(),
         }
+    }
+
+    fn page_parts(&self) -> Option<PageParts<'_>> {
+        let (records, regions) = (self.record.parts.as_ref()?, self.part_records()?);
+        let colours = region_colours(&traits(&regions), &self.vertex_part, &self.mesh.edge_graph());
+        let part = |((part, as_region), &colour): ((&PartRecord, &RegionRecord), &Rgb)| PagePart {
+            colour,
+            trunk: part.trunk,
+            region: part.region,
+            twins: part.twins.clone(),
+            side: as_region.side,
+            volume: part.volume,
+            volume_fraction: part.volume_fraction,
+        };
+        let list = records.iter().zip(&regions).zip(&colours).map(part).collect();
+        Some(PageParts { list, vertices: &self.vertex_part, voxels: &self.voxel_part })
     }
 
     /// The input's file name, without folder and ending.

@@ -7,19 +7,25 @@ impl Results {
     /// # Errors
     /// [`ResultsError::NoParts`] where no parts were asked for.
     pub fn with_parts_as_regions(&self) -> Result<Self, ResultsError> {
-        let Some(parts) = &self.record.parts else {
+        let Some(parts) = self.part_records() else {
             return Err(ResultsError::NoParts { path: self.record.input.path.clone() });
         };
         let mut results = self.clone();
-        results.record.regions =
-            parts.iter().map(|part| as_region(part, parts, &self.record.regions)).collect();
+        results.record.regions = parts;
         results.record.parts = None;
-        results.region_vertices = members(&self.vertex_part, parts.len());
-        results.region_voxels = members(&self.voxel_part, parts.len());
+        let count = results.record.regions.len();
+        results.region_vertices = members(&self.vertex_part, count);
+        results.region_voxels = members(&self.voxel_part, count);
         (results.vertex_part, results.voxel_part) = (Vec::new(), Vec::new());
         results.trees = Vec::new();
         (results.descriptors, results.descriptor_width, results.cosines) = (Vec::new(), 0, Vec::new());
         Ok(results)
+    }
+
+    /// The parts as far as they are like regions; none where there are none.
+    pub(crate) fn part_records(&self) -> Option<Vec<RegionRecord>> {
+        let parts = self.record.parts.as_ref()?;
+        Some(parts.iter().map(|part| as_region(part, parts, &self.record.regions)).collect())
     }
 }
 

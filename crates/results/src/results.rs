@@ -191,9 +191,7 @@ impl Results {
 
     /// What colours say of the regions.
     pub(crate) fn traits(&self) -> Vec<RegionTraits> {
-        let family = |r: &RegionRecord| Some(r.twin.map_or(r.id, |twin| twin.min(r.id)));
-        let traits = |r: &RegionRecord| RegionTraits { parent: r.parent, family: family(r), side: r.side };
-        self.record.regions.iter().map(traits).collect()
+        traits(&self.record.regions)
     }
 
     /// The node of a region in its tree: on the way up from one of its elements, the one that comes
@@ -224,6 +222,13 @@ fn entry(features: &Features, tree: &Tree) -> Vec<u32> {
         Domain::Volume => of_element.into_iter().map(none).collect(),
         Domain::Surface => features.shape.element_of_vertex().iter().map(of_vertex).collect(),
     }
+}
+
+/// What colours say of regions, or of parts as regions.
+pub(crate) fn traits(regions: &[RegionRecord]) -> Vec<RegionTraits> {
+    let family = |r: &RegionRecord| Some(r.twin.map_or(r.id, |twin| twin.min(r.id)));
+    let traits = |r: &RegionRecord| RegionTraits { parent: r.parent, family: family(r), side: r.side };
+    regions.iter().map(traits).collect()
 }
 
 /// Innermost regions as files have them: -1 for none.

@@ -6,8 +6,7 @@ use mser3d_shape::Choice;
 use crate::eigenfunctions::write_eigenfunctions;
 use crate::{Results, ResultsError, ResultsFolder};
 
-const FILES: [&str; 6] =
-    ["regions.json", "features.npz", "surface.ply", "volume.vti", "view.html", "parts.html"];
+const FILES: [&str; 5] = ["regions.json", "features.npz", "surface.ply", "volume.vti", "view.html"];
 
 mser3d_shape::choice! {
     /// What can be written to a folder of results besides.

@@ -52,6 +52,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
         altitude: 0.5,
         stability: 10.0,
         reliability: None,
+        lifetime: None,
         twin: None,
         side: None,
         volume: 1.0,
@@ -61,8 +62,16 @@ pub fn main() -> Result<(), Box<dyn Error>> {
         node: None,
     });
     let (name, regions) = ("torus".to_owned(), regions.collect());
-    let shape =
-        PageShape { name, mesh: &mesh, grid: None, vertex_voxel: &[], regions, trees: vec![], facts: vec![] };
+    let shape = PageShape {
+        name,
+        mesh: &mesh,
+        grid: None,
+        vertex_voxel: &[],
+        regions,
+        parts: None,
+        trees: vec![],
+        facts: vec![],
+    };
     let html = page(&PageData { title: "A torus".into(), shapes: vec![shape], matches: vec![], up: Up::Y })?;
     fs::write(folder.join("mser3d-torus.html"), &html)?;
     println!("{}: {} kB", folder.join("mser3d-torus.html").display(), html.len() / 1000);

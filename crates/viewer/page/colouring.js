@@ -1,4 +1,4 @@
-// What colour each vertex and voxel has: by regions, or by the components of a level set.
+// What colour each vertex and voxel has: by parts, by regions, or by the components of a level set.
 
 const OUTSIDE = [228, 228, 228]; // has not entered yet
 const SPECK = [168, 178, 190]; // a component that belongs to no branch yet, or to no region
@@ -47,11 +47,11 @@ function branchColours(shape, t, level) {
 
 // Fills `colours` (RGBA) for the vertices ("vertex") or voxels ("voxel") of a shape.
 function paint(colours, shape, kind, look) {
-  const write = (i, c) => {
+  const write = (i, c, alpha = 255) => {
     colours[4 * i] = c[0];
     colours[4 * i + 1] = c[1];
     colours[4 * i + 2] = c[2];
-    colours[4 * i + 3] = 255;
+    colours[4 * i + 3] = alpha;
   };
   const count = colours.length / 4;
   if (look.mode === "level") {
@@ -71,17 +71,28 @@ function paint(colours, shape, kind, look) {
     }
     return;
   }
-  const label = kind === "vertex" ? shape.label : shape.grid.label;
-  const plain = [look.none, ...shape.regions.map((r) => r.colour)];
-  const faded = plain.map((c) => mix(c, WHITE, 0.75));
-  const sets = (ids) => ids.map((id) => [shape.regions[id][`${kind}Set`], plain[id + 1]]);
-  const chosen = sets(look.chosen);
-  const lit = [...chosen, ...sets(look.twins).map(([set, colour]) => [set, mix(colour, WHITE, 0.5)])];
-  const hovered = sets(look.hovered);
-  for (let i = 0; i < count; i++) {
-    const inside = lit.find(([set]) => hasBit(set, i));
-    let colour = inside ? inside[1] : (lit.length ? faded : plain)[label[i] + 1];
-    if (hovered.some(([set]) => hasBit(set, i))) colour = mix(colour, WHITE, 0.4);
-    write(i, colour);
+  const list = shape[look.list];
+  const labels = shape.labels[look.list][kind];
+  const plain = [look.none, ...list.map((item) => item.colour)];
+  const lit = [
+    ...look.chosen.map((id) => [id, plain[id + 1], 255]),
+    ...look.twins.map((id) => [id, mix(plain[id + 1], look.back, 0.5), Math.round(255 * look.others)]),
+  ];
+  const base = lit.length ? plain.map((c) => mix(c, look.back, 0.75)) : plain;
+  const alpha = lit.length ? Math.round(255 * look.others) : 255;
+  for (let i = 0; i < count; i++) write(i, base[labels[i] + 1], alpha);
+  // The first of those that are lit prevails.
+  for (const [id, colour, alpha] of lit.reverse()) {
+    const inside = membership(shape, look.list, id, kind);
+    for (let i = 0; i < count; i++) if (inside(i)) write(i, colour, alpha);
+  }
+  for (const id of look.hovered) {
+    const inside = membership(shape, look.list, id, kind);
+    const at = (i) => [0, 1, 2].map((a) => colours[4 * i + a]);
+    for (let i = 0; i < count; i++) if (inside(i)) write(i, mix(at(i), WHITE, 0.4), 255);
+  }
+  for (const id of look.hidden) {
+    const inside = membership(shape, look.list, id, kind);
+    for (let i = 0; i < count; i++) if (inside(i)) colours[4 * i + 3] = 0;
   }
 }

@@ -15,6 +15,14 @@ function readData() {
   };
   const data = unpack(head);
   for (const shape of data.shapes) {
+    const { grid } = shape;
+    shape.labels = {
+      parts: { vertex: shape.part, voxel: grid?.part },
+      regions: { vertex: shape.label, voxel: grid?.label },
+    };
+    shape.parts ??= [];
+    shape.trees.forEach((tree) => spread(tree, shape));
+    for (const region of shape.regions) region.twins = region.twin === null ? [] : [region.twin];
     shape.low = [Infinity, Infinity, Infinity];
     shape.high = [-Infinity, -Infinity, -Infinity];
     for (const v of shape.triangle) {
@@ -27,6 +35,50 @@ function readData() {
     shape.radius = 0.5 * Math.hypot(...[0, 1, 2].map((a) => shape.high[a] - shape.low[a]));
   }
   return data;
+}
+
+// A tree's branch and share entered for each vertex and voxel. Where there are voxels, the page has them of voxels, and a
+// vertex enters with its voxel; without one it never enters.
+function spread(tree, { vertexVoxel }) {
+  if (!vertexVoxel) {
+    Object.assign(tree, { vertexBranch: tree.branch, vertexEntered: tree.entered });
+    return;
+  }
+  Object.assign(tree, { voxelBranch: tree.branch, voxelEntered: tree.entered });
+  tree.vertexBranch = new Uint32Array(vertexVoxel.length);
+  tree.vertexEntered = new Uint32Array(vertexVoxel.length).fill(0x10000);
+  vertexVoxel.forEach((next, v) => {
+    if (next === 0) return;
+    tree.vertexBranch[v] = tree.branch[next - 1];
+    tree.vertexEntered[v] = tree.entered[next - 1];
+  });
+}
+
+// Whether a vertex ("vertex") or voxel ("voxel") is in a region or part, as a function of its number.
+function membership(shape, list, id, kind) {
+  if (list === "parts") {
+    const labels = shape.labels.parts[kind];
+    return (i) => labels[i] === id;
+  }
+  const set = shape.regions[id][`${kind}Set`];
+  return (i) => hasBit(set, i) === 1;
+}
+
+// For each region, the part that nearly all of it is in; -1 where it is in several.
+function partsOfRegions(shape) {
+  const kind = shape.grid ? "voxel" : "vertex";
+  const labels = shape.labels.parts[kind];
+  return shape.regions.map((region, id) => {
+    const inside = membership(shape, "regions", id, kind);
+    const counts = new Array(shape.parts.length).fill(0);
+    let all = 0;
+    labels.forEach((label, i) => {
+      if (!inside(i)) return;
+      all += 1;
+      if (label >= 0) counts[label] += 1;
+    });
+    return counts.findIndex((count) => count > 0 && count >= 0.9 * all);
+  });
 }
 
 const hasBit = (set, i) => (set[i >> 3] >> (i & 7)) & 1;

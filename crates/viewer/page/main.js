@@ -3,9 +3,8 @@
 document.querySelectorAll("input[name=mode]").forEach((input) => input.addEventListener("change", () => setMode(input.value)));
 document.querySelectorAll("input[name=cut]").forEach((input) => input.addEventListener("change", () => setCut(Number(input.value))));
 byId("cut-at").addEventListener("input", () => (state.cut === null ? setCut(0) : redraw()));
-byId("cut-flip").addEventListener("click", (event) => {
-  state.flip = !state.flip;
-  event.target.setAttribute("aria-pressed", String(state.flip));
+byId("cut-flip").addEventListener("click", () => {
+  setFlip(!state.flip);
   if (state.cut === null) setCut(0);
   redraw();
 });
@@ -18,12 +17,18 @@ byId("help-button").addEventListener("click", (event) => {
   event.target.setAttribute("aria-expanded", String(!byId("help").hidden));
 });
 
-if (hasTrees) {
-  setTree(0, 0);
-} else {
-  byId("tree-part").hidden = true;
-  byId("modes").hidden = true;
-}
+byId("axes-button").addEventListener("click", () => setAxes(!state.axes));
+byId("picture").addEventListener("click", savePicture);
+byId("link").addEventListener("click", copyLink);
+byId("level").after(explained("level"));
+
+// Only what there is can be chosen.
+const modes = [hasParts && "parts", "regions", hasTrees && "level"].filter(Boolean);
+document.querySelectorAll("input[name=mode]").forEach((input) => (input.parentElement.hidden = !modes.includes(input.value)));
+byId("modes").hidden = modes.length === 1;
+byId("tree-part").hidden = !hasTrees;
+takeMode(state.mode);
+setDark(DARK.matches);
 
 function fail(...lines) {
   byId("failure").replaceChildren(...lines.map((line) => element("p", {}, line)));
@@ -37,9 +42,11 @@ function start() {
     if (error.message !== "webgl2") throw error;
     return fail(
       "This browser cannot draw the shape: it has no WebGL2, or it is switched off.",
-      "A current Firefox, Chromium or Safari has it; hardware acceleration may have to be allowed in the settings. The table of regions is complete without it.",
+      "A current Firefox, Chromium or Safari has it; hardware acceleration may have to be allowed in the settings. The table is complete without it.",
     );
   }
+  // Nothing to show where it was drawn.
+  for (const id of ["scale", "picture"]) byId(id).hidden = false;
   refresh();
 }
 canvas.addEventListener("webglcontextlost", (event) => {
@@ -54,7 +61,9 @@ canvas.addEventListener("webglcontextrestored", () => {
 new ResizeObserver(() => {
   renderer?.resize();
   renderer?.draw();
+  if (renderer) overlay();
 }).observe(canvas);
 
 panel.show(null);
 start();
+if (location.hash) restore(location.hash);

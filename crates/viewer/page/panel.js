@@ -1,4 +1,4 @@
-// The side panel: the numbers of a region, the table of all, and facts about the shapes.
+// The side panel: the numbers of a part or region, the tables of all, and facts about the shapes.
 
 function element(kind, attributes = {}, ...children) {
   const node = document.createElement(kind);
@@ -13,8 +13,17 @@ function swatch(colour) {
   return node;
 }
 
+// Pairs of a name and what it is. A name that is a word of ours is explained.
 function definitions(pairs) {
-  return element("dl", {}, ...pairs.flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]));
+  const name = (text) => element("dt", {}, text, ...(text in WORDS ? [explained(text)] : []));
+  return element("dl", {}, ...pairs.flatMap(([text, value]) => [name(text), element("dd", {}, value)]));
+}
+
+// How a part or region is called.
+function title(s, id, list = listed()) {
+  const noun = list === "parts" ? "Part" : "Region";
+  const trunk = list === "parts" && data.shapes[s].parts[id].trunk ? ", the trunk" : "";
+  return `${noun} ${id}${trunk}`;
 }
 
 class Panel {
@@ -22,31 +31,29 @@ class Panel {
     this.data = data;
     this.actions = actions;
     this.details = document.getElementById("details");
-    const tables = document.getElementById("tables");
-    const regions = data.shapes.flatMap((shape) => shape.regions);
-    this.twins = regions.some((region) => region.twin !== null);
-    this.sides = regions.some((region) => region.side !== null);
-    this.rows = data.shapes.map((shape, s) => {
-      const rows = shape.regions.map((region, id) => this.row(shape, s, region, id, actions));
-      const own = [data.matches.length && "match", this.twins && "twin", this.sides && "side"].filter(Boolean);
-      const heads = ["id", ...own, "volume", "reliability", ...(data.matches.length ? [] : ["stability"])];
-      const head = heads.map((name) => element("th", { scope: "col" }, name));
-      const table = element("table", {}, element("thead", {}, element("tr", {}, ...head)));
-      if (data.shapes.length > 1) table.prepend(element("caption", {}, shape.name));
-      table.append(element("tbody", {}, ...rows));
-      tables.append(rows.length ? table : element("p", {}, `${shape.name}: no regions were found.`));
-      return rows;
-    });
-    const words = [
-      this.twins && "Twin: the region that is its mirror image on the same body; it is seen faintly when a region is chosen.",
-      this.sides && "Side: from −1 on one side of the body to +1 on the other; which of them is the left one is not said.",
-    ];
-    tables.append(...words.filter(Boolean).map((text) => element("p", { class: "word" }, text)));
+    const links = { item: (...words) => this.link(...words), word: explained };
+    this.tables = Object.fromEntries(
+      Object.keys(NOUNS).map((list) => [list, data.shapes.map((_, s) => new Table(data, list, s, actions, links))]),
+    );
+    this.twins = (list) => data.shapes.some((shape) => shape[list].some((item) => item.twins.length));
+    this.sides = (list) => data.shapes.some((shape) => shape[list].some((item) => item.side !== null));
     const facts = document.getElementById("facts");
     for (const shape of data.shapes) {
       if (!shape.facts.length) continue;
       facts.append(element("h2", {}, shape.name), definitions(shape.facts));
     }
+  }
+
+  // Shows the tables of the parts or of the regions.
+  take(list) {
+    this.list = list;
+    document.getElementById("table-title").textContent = list === "parts" ? "Parts" : "Regions";
+    document.getElementById("tables").replaceChildren(...this.tables[list].map((table) => table.node));
+  }
+
+  // What the tables list, in their order.
+  order(list) {
+    return this.tables[list].flatMap((table, shape) => table.order.map((id) => ({ shape, id })));
   }
 
   // What a region is matched with: [id, distance] or undefined.
@@ -55,76 +62,105 @@ class Panel {
     return pair && [pair[1 - s], pair[2]];
   }
 
-  row(shape, s, region, id, actions) {
-    const button = element("button", { type: "button", "aria-label": `Region ${id} of ${shape.name}` }, String(id));
-    const cells = [
-      element("td", {}, swatch(region.colour), button),
-      element("td", {}, percent(region.fraction, 3)),
-      element("td", {}, show(region.reliability, 2)),
-    ];
-    // Beside matches there is no room for it; above the table stand all numbers of the region that is chosen.
-    if (!this.data.matches.length) cells.push(element("td", {}, show(region.stability, 3)));
-    if (this.sides) cells.splice(1, 0, element("td", {}, showSide(region.side)));
-    if (this.twins) cells.splice(1, 0, element("td", {}, region.twin === null ? "–" : this.link(s, region.twin, String(region.twin))));
-    if (this.data.matches.length) {
-      const partner = this.partner(s, id);
-      cells.splice(1, 0, element("td", {}, partner ? `${s === 0 ? "→" : "←"} ${partner[0]}` : "none"));
-    }
-    const row = element("tr", { "aria-selected": "false" }, ...cells);
-    row.addEventListener("click", () => actions.choose(s, id));
-    row.addEventListener("pointerenter", () => actions.hover(s, id));
-    row.addEventListener("pointerleave", () => actions.hover(s, null));
-    return row;
-  }
-
-  // A region's name that chooses it.
-  link(s, id, name = `region ${id}`) {
-    const button = element("button", { type: "button", class: "link", "aria-label": `Region ${id}` }, name);
+  // The name of a part or region that chooses it.
+  link(s, id, list, name = `${NOUNS[list]} ${id}`) {
+    const button = element("button", { type: "button", class: "link", "aria-label": `${NOUNS[list]} ${id}` }, name);
     button.addEventListener("click", (event) => {
       // Not the row that it stands in.
       event.stopPropagation();
-      this.actions.choose(s, id);
+      this.actions.choose(s, id, list);
     });
     return button;
   }
 
-  mark(s, chosen, twins, hovered) {
-    this.rows[s].forEach((row, id) => {
-      row.setAttribute("aria-selected", String(chosen.includes(id)));
-      row.classList.toggle("twin", twins.includes(id));
-      row.classList.toggle("hover", hovered.includes(id));
-    });
+  links(s, ids, list) {
+    return ids.length ? joined(ids.map((id, i) => this.link(s, id, list, i ? String(id) : undefined))) : "none";
   }
 
-  // The numbers of a region, or how to get them.
+  mark(s, marks) {
+    this.tables[this.list][s].mark(marks);
+  }
+
+  // The numbers of a part or region, or how to get them.
   show(choice) {
+    const { list } = this;
     if (!choice) {
-      const counts = this.data.shapes.map((s) => `${s.name}: ${s.regions.length} regions`).join("; ");
-      const hint = element("p", {}, "Point at a region for its name, click or tap it for its numbers.");
-      this.details.replaceChildren(element("h2", {}, counts), hint);
+      const counts = this.data.shapes.map((s) => `${s.name}: ${s[list].length} ${list}`).join("; ");
+      const hint = element("p", {}, `Point at a ${NOUNS[list]} for its name, click or tap it for its numbers.`);
+      const all = state.hidden[list].length ? [this.button("Show all", this.actions.showAll)] : [];
+      this.details.replaceChildren(element("h2", {}, counts), hint, ...all);
       return;
     }
     const shape = this.data.shapes[choice.shape];
-    const region = shape.regions[choice.region];
-    const title = `Region ${choice.region}${this.data.shapes.length > 1 ? ` of ${shape.name}` : ""}`;
+    const item = shape[list][choice.id];
+    const name = `${title(choice.shape, choice.id, list)}${this.data.shapes.length > 1 ? ` of ${shape.name}` : ""}`;
     const pairs = [
-      ["volume", show(region.volume)],
-      ["share", percent(region.fraction)],
-      ["reliability", show(region.reliability)],
-      ["stability", show(region.stability)],
-      ["altitude", show(region.altitude)],
-      ["inside", region.parent === null ? "no other" : this.link(choice.shape, region.parent)],
-      ["vertices", String(region.vertices)],
+      ["volume", show(item.volume)],
+      ["share", percent(item.fraction)],
+      ...(list === "parts" ? this.ofPart(choice, shape, item) : this.ofRegion(choice, shape, item)),
+      ["vertices", String(item.vertices)],
     ];
-    if (this.twins) pairs.push(["twin", region.twin === null ? "none" : this.link(choice.shape, region.twin)]);
-    if (this.sides) pairs.push(["side", showSide(region.side)]);
-    if (shape.grid) pairs.push(["voxels", String(region.voxels)]);
+    if (shape.grid) pairs.push(["voxels", String(item.voxels)]);
+    this.details.replaceChildren(element("h2", {}, swatch(item.colour), name), definitions(pairs), this.tools(choice));
+  }
+
+  ofPart({ shape: s, id }, shape, part) {
+    shape.partOfRegion ??= partsOfRegions(shape);
+    const inside = shape.partOfRegion.flatMap((own, region) => (own === id ? [region] : []));
+    const pairs = [["twins", this.links(s, part.twins, "parts")]];
+    if (this.sides("parts")) pairs.push(["side", showSide(part.side)]);
+    pairs.push(["grew from", part.region === null ? "what the others leave" : this.link(s, part.region, "regions")]);
+    pairs.push(["in it", this.links(s, inside, "regions")]);
+    return pairs;
+  }
+
+  ofRegion({ shape: s, id }, shape, region) {
+    const pairs = [
+      ["reliability", show(region.reliability)],
+      ["stability", region.stability === null ? "∞" : show(region.stability)],
+      ["altitude", show(region.altitude)],
+      ["lifetime", region.lifetime === null ? "no merge ends it" : show(region.lifetime)],
+      ["inside", region.parent === null ? "no other" : this.link(s, region.parent, "regions")],
+    ];
+    if (this.twins("regions")) pairs.push(["twin", this.links(s, region.twins, "regions")]);
+    if (this.sides("regions")) pairs.push(["side", showSide(region.side)]);
     if (region.tree !== null) pairs.push(["tree", shape.trees[region.tree].name]);
-    const partner = this.partner(choice.shape, choice.region);
+    if (shape.parts.length) {
+      shape.partOfRegion ??= partsOfRegions(shape);
+      const part = shape.partOfRegion[id];
+      pairs.push(["part", part < 0 ? "several" : this.link(s, part, "parts")]);
+    }
+    const partner = this.partner(s, id);
     if (this.data.matches.length) {
-      pairs.push(["match", partner ? this.link(1 - choice.shape, partner[0]) : "none"]);
+      pairs.push(["match", partner ? this.link(1 - s, partner[0], "regions") : "none"]);
       if (partner) pairs.push(["distance", show(partner[1])]);
     }
-    this.details.replaceChildren(element("h2", {}, swatch(region.colour), title), definitions(pairs));
+    return pairs;
+  }
+
+  button(name, action, pressed) {
+    const state = pressed === undefined ? {} : { "aria-pressed": String(pressed) };
+    const button = element("button", { type: "button", ...state }, name);
+    button.addEventListener("click", () => {
+      action();
+      // It was made anew.
+      this.details.querySelectorAll("button").forEach((other) => other.textContent === name && other.focus());
+    });
+    return button;
+  }
+
+  // What can be done with what is chosen.
+  tools(choice) {
+    const { list, actions } = this;
+    const hidden = state.hidden[list].some((other) => same(other, choice));
+    const others = element("input", { type: "range", min: 0, max: 100, value: 100 * state.others, "aria-label": "Opacity of the others" });
+    others.addEventListener("input", () => actions.fade(others.value / 100));
+    const row = [
+      this.button("Hide", actions.hide, hidden),
+      this.button("Isolate", actions.isolate, state.others === 0),
+      element("label", { class: "row" }, "others", others),
+    ];
+    if (state.hidden[list].length) row.push(this.button("Show all", actions.showAll));
+    return element("div", { class: "row tools" }, ...row);
   }
 }

@@ -1,8 +1,9 @@
 // What lies below a place of the picture, found as the renderer finds it: the nearest triangle that
 // the line of sight meets, or the cut.
 
-// `x` and `y` are picture coordinates from -1 to 1. Gives {kind, number} of a vertex or voxel, or null.
-function pick(shape, slice, frame, cut, x, y) {
+// What is hidden is not met. `x` and `y` are picture coordinates from -1 to 1. Gives {kind, number} of a vertex or voxel, or null.
+function pick(surface, frame, cut, x, y) {
+  const { shape, slice, colours } = surface;
   const { position, triangle } = shape;
   const { turn, scale, shift } = frame;
   const count = position.length / 3;
@@ -37,10 +38,11 @@ function pick(shape, slice, frame, cut, x, y) {
       continue;
     }
     const depth = mean((v) => screen[3 * v + 2]);
-    if (depth > nearest) {
+    const most = w.map(Math.abs);
+    const number = corners[most.indexOf(Math.max(...most))];
+    if (depth > nearest && colours[4 * number + 3] > 0) {
       nearest = depth;
-      const most = w.map(Math.abs);
-      found = { kind: "vertex", number: corners[most.indexOf(Math.max(...most))] };
+      found = { kind: "vertex", number };
     }
   }
   // The cut is seen from its open side, where the part taken away was solid.
@@ -51,5 +53,5 @@ function pick(shape, slice, frame, cut, x, y) {
   const flat = [0, 1, 2].map((a) => level[0] * axes[0][a] + level[1] * axes[1][a]);
   const depth = (cut.side * (cut.at - flat[cut.axis])) / toward;
   const voxel = slice.voxelAt(cut, [0, 1, 2].map((a) => flat[a] + depth * axes[2][a]));
-  return voxel >= 0 && depth > nearest ? { kind: "voxel", number: voxel } : found;
+  return voxel >= 0 && depth > nearest && slice.colours[4 * voxel + 3] > 0 ? { kind: "voxel", number: voxel } : found;
 }

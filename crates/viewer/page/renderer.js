@@ -43,12 +43,17 @@ class Renderer {
     byId("names").replaceChildren(...names);
   }
 
+  // How much of half the height of a view a unit of length takes; a view is so many times wider than high.
+  unit(wider = this.views[0][2] / this.views[0][3]) {
+    return camera.zoom * 0.92 * Math.min(1 / this.tall, wider / this.wide);
+  }
+
   frame(s) {
     const [, , width, height] = this.views[s];
     const axes = camera.axes();
     const turn = new Float32Array(9);
     for (let a = 0; a < 3; a++) for (let i = 0; i < 3; i++) turn[3 * a + i] = axes[i][a];
-    const unit = camera.zoom * 0.92 * Math.min(1 / this.tall, width / height / this.wide);
+    const unit = this.unit(width / height);
     const depth = -0.9 / this.radius;
     const [x, y] = camera.shift;
     return { turn, scale: [(unit * height) / width, unit, depth], shift: [(x * height) / width, y] };
@@ -69,10 +74,14 @@ class Renderer {
         mode: state.mode,
         tree: Math.min(state.tree, surface.shape.trees.length - 1),
         level: state.level,
+        list: listed(),
         none: data.none,
-        chosen: regionsOf(state.chosen, s),
+        back: paper,
+        others: state.others,
+        chosen: idsOf(state.chosen, s),
         twins: twinsOf(s),
-        hovered: regionsOf(state.hovered, s),
+        hovered: idsOf(state.hovered, s),
+        hidden: state.hidden[listed()].filter(({ shape }) => shape === s).map(({ id }) => id),
         hoveredComponent: state.component && state.component.shape === s ? state.component.branch : -1,
       };
       paint(surface.colours, surface.shape, "vertex", look);
@@ -87,7 +96,7 @@ class Renderer {
   draw() {
     const { gl } = this;
     if (gl.isContextLost()) return;
-    gl.clearColor(1, 1, 1, 1);
+    gl.clearColor(...paper.map((c) => c / 255), 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT | gl.STENCIL_BUFFER_BIT);
     gl.enable(gl.SCISSOR_TEST);
     this.views.forEach((view, s) => {
@@ -128,9 +137,9 @@ class Renderer {
     if (!found) return null;
     const { s, place } = found;
     const cut = this.cut(s);
-    const { shape, slice } = this.surfaces[s];
+    const { slice } = this.surfaces[s];
     if (cut && slice) slice.stale = slice.take(cut) || slice.stale;
-    const hit = pick(shape, slice, this.frame(s), cut, ...place);
+    const hit = pick(this.surfaces[s], this.frame(s), cut, ...place);
     return hit && { shape: s, ...hit };
   }
 }

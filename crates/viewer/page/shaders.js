@@ -24,6 +24,15 @@ vec3 lit(vec3 colour, vec3 n, float open) {
 }
 `;
 
+const OPEN = `
+// Whether a pixel is left open by what is this opaque: every so many of a square of 4 x 4 are.
+bool open(float alpha) {
+  const int order[16] = int[16](0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5);
+  ivec2 p = ivec2(gl_FragCoord.xy) & 3;
+  return alpha <= (float(order[4 * p.y + p.x]) + 0.5) / 16.0;
+}
+`;
+
 const SURFACE_VERTEX = `${COMMON}
 uniform sampler2D uPosition; // xyz, openness
 uniform sampler2D uNormal;
@@ -51,8 +60,7 @@ void main() {
   gl_Position = vec4(vPlace * uScale + vec3(uShift, 0.0), 1.0);
 }`;
 
-const SURFACE_FRAGMENT = `${COMMON}
-uniform sampler2D uColour;
+const SURFACE_FRAGMENT = `${COMMON}${OPEN}uniform sampler2D uColour;
 flat in ivec3 vCorners;
 in vec3 vShare;
 in float vBeyond;
@@ -74,6 +82,7 @@ int prevailing(out float margin) {
 in vec3 vNormal;
 in vec3 vPlace;
 in float vOpen;
+uniform bool uWhole; // what is hidden counts as well
 out vec4 oColour;
 void main() {
   if (vBeyond > 0.0) discard;
@@ -81,13 +90,14 @@ void main() {
   vec3 n = normalize(vNormal);
   float margin;
   int best = prevailing(margin);
+  if (!uWhole && open(corner(best).a)) discard;
   float line = 1.0 - smoothstep(0.6, 1.4, margin / max(fwidth(margin), 1e-4));
   bool back = !gl_FrontFacing;
   if (n.z < 0.0) n = -n;
   if (dot(n, face) < 0.64) n = face; // a crease
   vec3 colour = toLinear(corner(best).rgb);
-  float open = back ? 0.5 : 1.0 - 0.8 * (1.0 - vOpen);
-  vec3 light = lit(colour, n, open) * (back ? 0.6 : 1.0);
+  float clear = back ? 0.5 : 1.0 - 0.8 * (1.0 - vOpen);
+  vec3 light = lit(colour, n, clear) * (back ? 0.6 : 1.0);
   light *= 1.0 - 0.4 * (1.0 - smoothstep(0.0, 0.3, n.z)); // a soft outline
   light *= margin < 1.0 ? 1.0 - 0.45 * line : 1.0;
   oColour = vec4(toScreen(light), 1.0);
@@ -107,8 +117,7 @@ void main() {
   gl_Position = vec4(p * uScale + vec3(uShift, 0.0), 1.0);
 }`;
 
-const SLICE_FRAGMENT = `${COMMON}
-uniform sampler2D uSlice;
+const SLICE_FRAGMENT = `${COMMON}${OPEN}uniform sampler2D uSlice;
 uniform vec3 uFacing;
 in vec2 vPlace;
 out vec4 oColour;
@@ -116,7 +125,7 @@ void main() {
   ivec2 size = textureSize(uSlice, 0);
   ivec2 at = min(ivec2(vPlace * vec2(size)), size - 1);
   vec4 colour = texelFetch(uSlice, at, 0);
-  if (colour.a == 0.0) discard;
+  if (open(colour.a)) discard;
   oColour = vec4(toScreen(lit(toLinear(colour.rgb), uFacing, 1.0)), 1.0);
 }`;
 

@@ -110,7 +110,7 @@ class Slice {
     this.texels.forEach((v, i) => {
       if (v < 0) return;
       for (let a = 0; a < 3; a++) pixels[4 * i + a] = this.colours[4 * v + a];
-      pixels[4 * i + 3] = 255;
+      pixels[4 * i + 3] = this.colours[4 * v + 3];
     });
     gl.bindTexture(gl.TEXTURE_2D, this.texture);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, ...this.size, 0, gl.RGBA, gl.UNSIGNED_BYTE, pixels);

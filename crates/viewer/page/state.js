@@ -4,53 +4,128 @@ const byId = (id) => document.getElementById(id);
 const data = readData();
 const canvas = byId("canvas");
 const camera = new Camera(data.up);
-const state = { mode: "regions", chosen: null, hovered: null, component: null, tree: 0, treeShape: 0, level: 0.3, cut: null, flip: false };
 const hasTrees = data.shapes.every((shape) => shape.trees.length);
-const actions = { choose, hover };
+const hasParts = data.shapes.every((shape) => shape.parts.length);
+const state = {
+  mode: hasParts ? "parts" : "regions", // or "level"
+  chosen: null, // {shape, id} of a part in the mode "parts", else of a region
+  hovered: null, // the same
+  hidden: { parts: [], regions: [] }, // of each, a list of the same
+  others: 1, // how opaque is what is not chosen
+  component: null,
+  tree: 0,
+  treeShape: 0,
+  level: 0.3,
+  cut: null,
+  flip: false,
+  axes: false,
+};
+const NOUNS = { parts: "part", regions: "region" };
+const actions = { choose, hover, hide, isolate, showAll, fade };
 const panel = new Panel(data, actions);
 const treePicture = new TreePicture(byId("tree"), {
   level: setLevel,
-  choose: (id) => choose(state.treeShape, id),
-  hover: (id) => hover(state.treeShape, id),
+  choose: (id) => choose(state.treeShape, id, "regions"),
+  hover: (id) => listed() === "regions" && hover(state.treeShape, id),
 });
 let renderer = null;
 let dirty = false;
 
-// The regions of a shape that a choice stands for: itself, or what it is matched with.
-function regionsOf(choice, s) {
+// What can be chosen now: "parts" or "regions".
+const listed = () => (state.mode === "parts" ? "parts" : "regions");
+const same = (p, q) => p?.shape === q?.shape && p?.id === q?.id;
+
+// What a choice stands for on a shape: itself, or the region it is matched with.
+function idsOf(choice, s) {
   if (!choice) return [];
-  if (choice.shape === s) return [choice.region];
-  return data.matches.filter((m) => m[choice.shape] === choice.region).map((m) => m[s]);
+  if (choice.shape === s) return [choice.id];
+  return data.matches.filter((m) => m[choice.shape] === choice.id).map((m) => m[s]);
 }
 
 // The mirror images of what is chosen.
 function twinsOf(s) {
-  return regionsOf(state.chosen, s).map((id) => data.shapes[s].regions[id].twin).filter((twin) => twin !== null);
+  return idsOf(state.chosen, s).flatMap((id) => data.shapes[s][listed()][id].twins);
 }
 
-function choose(shape, region) {
-  const same = state.chosen && state.chosen.shape === shape && state.chosen.region === region;
-  state.chosen = region === null || same ? null : { shape, region };
-  if (state.chosen && state.mode === "level") setMode("regions");
-  if (state.chosen && hasTrees) {
-    const tree = data.shapes[shape].regions[region].tree ?? state.tree;
+// The region that is most like a part, or the part that grew from a region.
+function counterpart(choice, from) {
+  if (!choice) return null;
+  const shape = data.shapes[choice.shape];
+  const id = from === "parts" ? shape.parts[choice.id].region : shape.parts.findIndex((part) => part.region === choice.id);
+  return id === null || id < 0 ? null : { shape: choice.shape, id };
+}
+
+// Chooses a part or region; what was chosen already is left.
+function choose(shape, id, list = listed()) {
+  if (list !== listed()) state.chosen = null;
+  if (state.mode === "level" ? id !== null : list !== listed()) takeMode(list);
+  const next = id === null ? null : { shape, id };
+  state.chosen = same(next, state.chosen) ? null : next;
+  if (!state.chosen) state.others = 1;
+  if (state.chosen && hasTrees && list === "regions") {
+    const tree = data.shapes[shape].regions[id].tree ?? state.tree;
     if (tree !== state.tree || shape !== state.treeShape) setTree(tree, shape);
   }
   panel.show(state.chosen);
   refresh();
 }
 
-function hover(shape, region) {
-  const next = region === null ? null : { shape, region };
-  if (JSON.stringify(next) === JSON.stringify(state.hovered)) return;
+function hover(shape, id) {
+  const next = id === null ? null : { shape, id };
+  if (same(next, state.hovered)) return;
   state.hovered = next;
   refresh();
 }
 
-function setMode(mode) {
-  state.mode = mode === "level" && hasTrees ? "level" : "regions";
-  document.querySelector(`input[name=mode][value=${state.mode}]`).checked = true;
+// Takes what is chosen out of the picture, or back in.
+function hide() {
+  if (!state.chosen) return;
+  const hidden = state.hidden[listed()];
+  const at = hidden.findIndex((other) => same(other, state.chosen));
+  if (at < 0) hidden.push(state.chosen);
+  else hidden.splice(at, 1);
+  panel.show(state.chosen);
   refresh();
+}
+
+// Shows nothing but what is chosen, or the others again.
+function isolate() {
+  if (state.chosen) setOthers(state.others > 0 ? 0 : 1);
+}
+
+function setOthers(opacity) {
+  state.others = opacity;
+  panel.show(state.chosen);
+  refresh();
+}
+
+// While a slider moves, the panel that it stands in stays.
+function fade(opacity) {
+  state.others = opacity;
+  refresh();
+}
+
+function showAll() {
+  state.hidden[listed()] = [];
+  setOthers(1);
+}
+
+function setMode(mode) {
+  const from = listed();
+  takeMode(mode);
+  if (listed() !== from) {
+    state.chosen = counterpart(state.chosen, from);
+    state.hovered = null;
+  }
+  panel.show(state.chosen);
+  refresh();
+}
+
+function takeMode(mode) {
+  const known = (mode === "level" && hasTrees) || (mode === "parts" && hasParts);
+  state.mode = known ? mode : "regions";
+  document.querySelector(`input[name=mode][value=${state.mode}]`).checked = true;
+  panel.take(listed());
 }
 
 function setLevel(level) {
@@ -68,8 +143,13 @@ function setTree(tree, shape) {
   byId("tree-title").textContent = data.shapes.length > 1 ? `Component tree of ${name}` : "Component tree";
   byId("tree-choice").replaceChildren(...trees.map(({ name }, t) => element("option", { value: t }, name)));
   byId("tree-choice").value = String(state.tree);
-  treePicture.show(data.shapes[shape], state.tree, data.none);
+  treePicture.show(data.shapes[shape], state.tree, data.none, paper);
   refresh();
+}
+
+function setFlip(flip) {
+  state.flip = flip;
+  byId("cut-flip").setAttribute("aria-pressed", String(flip));
 }
 
 function setCut(axis) {
@@ -80,9 +160,13 @@ function setCut(axis) {
 
 // Colours change; the picture follows at the next frame.
 function refresh() {
-  data.shapes.forEach((_, s) => panel.mark(s, regionsOf(state.chosen, s), twinsOf(s), regionsOf(state.hovered, s)));
+  data.shapes.forEach((_, s) => {
+    const hidden = state.hidden[listed()].filter(({ shape }) => shape === s).map(({ id }) => id);
+    panel.mark(s, { chosen: idsOf(state.chosen, s), twins: twinsOf(s), hovered: idsOf(state.hovered, s), hidden });
+  });
   if (hasTrees) {
-    treePicture.update(state.level, regionsOf(state.chosen, state.treeShape));
+    const chosen = listed() === "parts" ? counterpart(state.chosen, "parts") : state.chosen;
+    treePicture.update(state.level, idsOf(chosen, state.treeShape));
     const tree = data.shapes[state.treeShape].trees[state.tree];
     const at = 256 * state.level;
     const altitude = tree.quantiles[Math.round(at)];
@@ -99,69 +183,10 @@ function refresh() {
 function redraw() {
   if (dirty || !renderer) return;
   dirty = true;
+  keepAddress();
   requestAnimationFrame(() => {
     dirty = false;
     renderer?.draw();
+    if (renderer) overlay();
   });
-}
-
-// What a picked vertex or voxel belongs to.
-function regionAt(hit) {
-  const shape = data.shapes[hit.shape];
-  const label = (hit.kind === "vertex" ? shape.label : shape.grid.label)[hit.number];
-  return label < 0 ? null : label;
-}
-
-function componentAt(hit) {
-  const tree = data.shapes[hit.shape].trees[state.tree];
-  if (!tree || tree[`${hit.kind}Entered`][hit.number] > state.level * 65535 + 0.5) return null;
-  const branch = componentsAt(tree, state.level)[tree[`${hit.kind}Branch`][hit.number]];
-  return branch < 0 ? null : { shape: hit.shape, branch };
-}
-
-function point(x, y) {
-  const hit = renderer?.pick(x, y);
-  const tip = byId("tip");
-  let text = "";
-  if (state.mode === "level") {
-    const component = hit && componentAt(hit);
-    if (JSON.stringify(component) !== JSON.stringify(state.component)) {
-      state.component = component;
-      refresh();
-    }
-    if (component) {
-      const tree = data.shapes[component.shape].trees[state.tree];
-      text = `component, at most ${percent(tree.volumes[component.branch])} before it merges`;
-    }
-  } else {
-    const region = hit ? regionAt(hit) : null;
-    hover(hit ? hit.shape : 0, region);
-    if (region !== null) text = `Region ${region} · ${percent(data.shapes[hit.shape].regions[region].fraction)}`;
-  }
-  tip.hidden = !text;
-  tip.textContent = text;
-  tip.style.left = `${Math.min(x, canvas.clientWidth - 190)}px`;
-  tip.style.top = `${y}px`;
-}
-
-// Chooses the innermost region at a place; within the chosen one, the region around that.
-function click(x, y) {
-  const hit = renderer?.pick(x, y);
-  const innermost = hit ? regionAt(hit) : null;
-  if (innermost === null) {
-    choose(0, null);
-    return;
-  }
-  const { regions } = data.shapes[hit.shape];
-  const chosen = state.chosen?.shape === hit.shape ? state.chosen.region : null;
-  const again = chosen !== null && hasBit(regions[chosen][`${hit.kind}Set`], hit.number);
-  const next = again ? regions[chosen].parent ?? innermost : innermost;
-  if (next !== chosen) choose(hit.shape, next);
-}
-
-function step(by) {
-  const all = data.shapes.flatMap((shape, s) => shape.regions.map((_, r) => [s, r]));
-  if (!all.length) return;
-  const now = state.chosen ? all.findIndex(([s, r]) => s === state.chosen.shape && r === state.chosen.region) : by > 0 ? -1 : 0;
-  choose(...all[(now + by + all.length) % all.length]);
 }

@@ -93,6 +93,7 @@ class Surface {
     });
     gl.activeTexture(gl.TEXTURE0);
     const filled = cut && this.slice && this.shape.closed;
+    gl.uniform1i(main.places.uWhole, filled ? 1 : 0);
     if (filled) {
       // Behind a place where the cut is seen, back and front faces of what is kept do not balance.
       gl.colorMask(false, false, false, false);
@@ -107,6 +108,7 @@ class Surface {
       gl.depthMask(true);
       gl.enable(gl.DEPTH_TEST);
       gl.disable(gl.STENCIL_TEST);
+      gl.uniform1i(main.places.uWhole, 0);
     }
     gl.drawArrays(gl.TRIANGLES, 0, this.count);
     if (cut && this.slice) {

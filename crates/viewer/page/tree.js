@@ -27,7 +27,7 @@ class TreePicture {
     return node;
   }
 
-  show(shape, t, none) {
+  show(shape, t, none, paper) {
     const tree = shape.trees[t];
     const width = this.svg.clientWidth || 340;
     const height = this.svg.clientHeight || 220;
@@ -57,7 +57,7 @@ class TreePicture {
     place(roots, 0, whole);
     const x = (v) => 8 + (v / whole) * (width - 16);
     const y = (share) => this.y(share);
-    const colours = branchColours(shape, t, 1).map((_, b) => this.colour(shape, tree, b, none));
+    const colours = tree.parents.map((_, b) => this.colour(shape, tree, b, none, paper));
     for (let b = 0; b < count; b++) {
       const middle = left[b] + span[b] / 2;
       const tip = [middle - 0.12 * span[b], middle + 0.12 * span[b]];
@@ -86,6 +86,7 @@ class TreePicture {
         tabindex: 0,
         role: "button",
         "aria-label": `Region ${id}`,
+        "aria-pressed": "false",
       });
       circle.addEventListener("click", () => this.actions.choose(id));
       circle.addEventListener("pointerenter", () => this.actions.hover(id));
@@ -98,13 +99,38 @@ class TreePicture {
       this.marks.set(id, circle);
       this.svg.append(circle);
     });
+    this.label(width);
+  }
+
+  // The numbers of the regions, beside their marks, as far as they fit.
+  label(width) {
+    const size = 12;
+    const boxes = [...this.marks.values()].map((circle) => {
+      const [x, y] = ["cx", "cy"].map((name) => Number(circle.getAttribute(name)));
+      return [x - 6, y - 6, x + 6, y + 6];
+    });
+    for (const [id, circle] of this.marks) {
+      const [x, y] = ["cx", "cy"].map((name) => Number(circle.getAttribute(name)));
+      const wide = 7 * String(id).length;
+      const places = [[8, -size / 2], [-8 - wide, -size / 2], [-wide / 2, -8 - size], [-wide / 2, 8]];
+      for (const [dx, dy] of places) {
+        const box = [x + dx, y + dy, x + dx + wide, y + dy + size];
+        const apart = (other) => box[2] <= other[0] || box[0] >= other[2] || box[3] <= other[1] || box[1] >= other[3];
+        if (box[0] < 0 || box[2] > width || box[1] < 0 || box[3] > this.height || !boxes.every(apart)) continue;
+        boxes.push(box);
+        const text = this.make("text", { x: box[0] + wide / 2, y: box[3] - 2, "text-anchor": "middle", "aria-hidden": "true" });
+        text.textContent = String(id);
+        this.svg.append(text);
+        break;
+      }
+    }
   }
 
   // The colour of the largest region on a branch, lightened: the marks stand out.
-  colour(shape, tree, branch, none) {
+  colour(shape, tree, branch, none, paper) {
     const on = tree.regions.flatMap((mark, id) => (mark && mark[0] === branch ? [id] : []));
     const largest = on.sort((p, q) => shape.regions[q].fraction - shape.regions[p].fraction)[0];
-    return mix(largest === undefined ? none : shape.regions[largest].colour, WHITE, 0.45);
+    return mix(largest === undefined ? none : shape.regions[largest].colour, paper, isDark() ? 0.6 : 0.45);
   }
 
   y(share) {
@@ -114,6 +140,9 @@ class TreePicture {
   update(level, chosen) {
     if (!this.line) return;
     for (const end of ["y1", "y2"]) this.line.setAttribute(end, this.y(level).toFixed(1));
-    this.marks.forEach((circle, id) => circle.classList.toggle("on", chosen.includes(id)));
+    this.marks.forEach((circle, id) => {
+      circle.classList.toggle("on", chosen.includes(id));
+      circle.setAttribute("aria-pressed", String(chosen.includes(id)));
+    });
   }
 }

@@ -168,9 +168,18 @@ impl Browser {
 
     /// Presses a key that makes a character, or a named one such as `Escape`.
     pub fn press(&mut self, key: &str) -> Result<(), String> {
-        let text = if key.chars().count() == 1 { key } else { "" };
-        self.call("Input.dispatchKeyEvent", json!({ "type": "keyDown", "key": key, "text": text }))?;
-        self.call("Input.dispatchKeyEvent", json!({ "type": "keyUp", "key": key }))?;
+        // What the browser itself does at a key hangs on the key's number.
+        let (text, code) = match key {
+            "Enter" => ("\r", 13),
+            "Tab" => ("", 9),
+            _ if key.chars().count() == 1 => (key, 0),
+            _ => ("", 0),
+        };
+        let event =
+            |kind: &str| json!({ "type": kind, "key": key, "text": text, "windowsVirtualKeyCode": code });
+        self.call("Input.dispatchKeyEvent", event("keyDown"))?;
+        let up = json!({ "type": "keyUp", "key": key, "windowsVirtualKeyCode": code });
+        self.call("Input.dispatchKeyEvent", up)?;
         self.settle()
     }
 

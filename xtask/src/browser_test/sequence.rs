@@ -6,7 +6,7 @@ use std::time::Duration;
 use mser3d_results::{Results, Up};
 use mser3d_viewer::{SequenceFrame, SequencePage, SequenceTrack, TrackPoint};
 
-use super::{Session, colours, write};
+use super::session::{Session, colours, write};
 
 /// Frames of the page.
 const FRAMES: usize = 24;

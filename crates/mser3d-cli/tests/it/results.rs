@@ -265,15 +265,25 @@ fn parts_are_written_shown_and_exported() {
     assert!((sum - 1.0).abs() < 1e-9);
     let vti = fs::read(out.join("volume.vti")).unwrap();
     assert!(String::from_utf8_lossy(&vti).contains("Name=\"part\""));
-    let page = fs::read_to_string(out.join("parts.html")).unwrap();
-    assert!(page.contains("Parts of human_rest"));
-    // One twin is a mirror image, and the page leads to it.
+    let page = fs::read_to_string(out.join("view.html")).unwrap();
+    assert!(page.contains("Parts and stable regions of human_rest"));
+    // Twins have one colour, and the page leads from each to the other.
     let head = page_head(&page);
-    let shown = list(&head["shapes"][0], "regions").iter().map(|region| &region["twin"]);
-    let twins: Vec<&Value> = parts.iter().map(|part| part["twins"].get(0).unwrap_or(&Value::Null)).collect();
-    assert!(parts.iter().all(|part| list(part, "twins").len() <= 1));
-    assert_eq!(shown.collect::<Vec<_>>(), twins);
-    assert_eq!(twins.iter().filter(|twin| twin.is_number()).count(), 4, "arms and legs");
+    let shown = list(&head["shapes"][0], "parts");
+    for (part, shown) in parts.iter().zip(shown) {
+        for name in ["trunk", "region", "twins", "vertices", "voxels"] {
+            assert_eq!(part[name], shown[name], "{name}");
+        }
+        for twin in list(part, "twins") {
+            assert_eq!(
+                shown["colour"],
+                head["shapes"][0]["parts"][twin.as_u64().unwrap() as usize]["colour"]
+            );
+        }
+    }
+    let twins = shown.iter().filter(|part| !list(part, "twins").is_empty());
+    assert_eq!((shown.len(), twins.count()), (6, 4), "arms and legs have twins");
+    assert_eq!(list(&head["shapes"][0], "regions").len(), list(&report, "regions").len());
 
     let run = |arguments: &[&str]| {
         let output = mser3d([&[arguments[0], out.to_str().unwrap()], &arguments[1..]].concat());
@@ -291,12 +301,13 @@ fn parts_are_written_shown_and_exported() {
 
     // Without parts there are none to show, and those of before are gone.
     regions(&input, &out, &format!("{COARSE} --parts none"));
-    assert!(!out.join("parts.html").exists() && json(&out.join("regions.json"))["parts"].is_null());
-    for command in [&["render", "--show", "parts"][..], &["view", "--parts"]] {
-        let output = mser3d([&[command[0], out.to_str().unwrap()], &command[1..]].concat());
-        assert_fails(&output, 1, &["human_rest.off", "no parts", "--parts auto"]);
-    }
+    assert!(!out.join("view.html").exists() && json(&out.join("regions.json"))["parts"].is_null());
+    let output = mser3d(["render", out.to_str().unwrap(), "--show", "parts"]);
+    assert_fails(&output, 1, &["human_rest.off", "no parts", "--parts auto"]);
     run(&["render", "--height", "50", "-o", out.join("default.png").to_str().unwrap()]);
+    run(&["view"]);
+    let page = fs::read_to_string(out.join("view.html")).unwrap();
+    assert!(page_head(&page)["shapes"][0]["parts"].is_null() && page.contains("<title>Stable regions of"));
     assert_fails(&detect(&input, &out, "--parts 0"), 2, &["auto, none, or a whole number of at least 1"]);
 }
 

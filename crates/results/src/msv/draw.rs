@@ -53,6 +53,7 @@ impl MsvResults {
             altitude: region.grey,
             stability: 1.0 / region.variation,
             reliability: None,
+            lifetime: None,
             twin: None,
             side: None,
             volume: region.volume,
@@ -79,6 +80,7 @@ impl MsvResults {
             grid: Some(&drawn.grid),
             vertex_voxel: &drawn.vertex_voxel,
             regions: regions.collect(),
+            parts: None,
             trees: Vec::new(),
             facts,
         };

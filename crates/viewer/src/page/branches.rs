@@ -103,6 +103,7 @@ mod tests {
             altitude: 0.0,
             stability: 1.0,
             reliability: None,
+            lifetime: None,
             twin: None,
             side: None,
             volume: 1.0,

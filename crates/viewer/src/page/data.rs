@@ -32,6 +32,8 @@ pub struct PageShape<'a> {
     pub vertex_voxel: &'a [i32],
     /// Its regions, in the order of their ids.
     pub regions: Vec<PageRegion<'a>>,
+    /// Its parts, which a page shows first; none where there are none.
+    pub parts: Option<PageParts<'a>>,
     /// The trees the regions come from, one per time scale; may be empty.
     pub trees: Vec<PageTree<'a>>,
     /// Facts listed below the regions: what they are called and what they are.
@@ -51,6 +53,8 @@ pub struct PageRegion<'a> {
     pub stability: f64,
     /// How surely it is found again, 0 to 1; none where that was not measured.
     pub reliability: Option<f64>,
+    /// How long it lasts before the real merge that ends it, in altitude; none where no merge does.
+    pub lifetime: Option<f64>,
     /// Its mirror image, another region of the shape.
     pub twin: Option<u32>,
     /// On which side of its body it is, from -1 to 1; none where the body has no sides.
@@ -65,6 +69,36 @@ pub struct PageRegion<'a> {
     pub voxels: &'a [u32],
     /// The tree it comes from, by its place in [`PageShape::trees`], and its node there.
     pub node: Option<[u32; 2]>,
+}
+
+/// The parts of a shape: each vertex and each voxel is in one at most.
+#[derive(Clone, Debug)]
+pub struct PageParts<'a> {
+    /// The parts, in the order of their ids.
+    pub list: Vec<PagePart>,
+    /// The part of each vertex; -1 for none.
+    pub vertices: &'a [i32],
+    /// The part of each voxel; -1 for none. Empty without a grid.
+    pub voxels: &'a [i32],
+}
+
+/// A part and its numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PagePart {
+    /// Its colour on the page.
+    pub colour: Rgb,
+    /// Whether it is what the other parts leave.
+    pub trunk: bool,
+    /// The region that it grew from, by its place in [`PageShape::regions`].
+    pub region: Option<u32>,
+    /// The parts that are its mirror images, or equal to it.
+    pub twins: Vec<u32>,
+    /// On which side of its body it is, from -1 to 1; none where the body has no sides.
+    pub side: Option<f64>,
+    /// Volume in length^3 (of a surface: area in length^2).
+    pub volume: f64,
+    /// Share of the whole volume or area.
+    pub volume_fraction: f64,
 }
 
 /// A component tree as plain arrays. Nodes are numbered children first, as `ComponentTree` does.
@@ -142,8 +176,34 @@ impl PageShape<'_> {
                 in_range("vertex", number, "voxel", voxel, voxels)?;
             }
         }
+        if let Some(parts) = &self.parts {
+            parts.check(self.regions.len(), vertices, voxels)?;
+        }
         let elements = if self.grid.is_some() { voxels } else { vertices };
         self.trees.iter().try_for_each(|tree| tree.check(elements))
+    }
+}
+
+impl PageParts<'_> {
+    fn check(&self, regions: usize, vertices: usize, voxels: usize) -> Result<(), ViewerError> {
+        for (number, part) in self.list.iter().enumerate() {
+            if let Some(region) = part.region {
+                in_range("part", number, "region", region, regions)?;
+            }
+            for &twin in &part.twins {
+                in_range("part", number, "part", twin, self.list.len())?;
+            }
+        }
+        fits("parts of vertices", self.vertices.len(), vertices)?;
+        fits("parts of voxels", self.voxels.len(), voxels)?;
+        for (what, labels) in [("vertex", self.vertices), ("voxel", self.voxels)] {
+            for (number, &label) in labels.iter().enumerate() {
+                if let Ok(part) = u32::try_from(label) {
+                    in_range(what, number, "part", part, self.list.len())?;
+                }
+            }
+        }
+        Ok(())
     }
 }
 

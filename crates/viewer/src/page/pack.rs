@@ -32,6 +32,14 @@ impl Pack {
         self.push("u16", items.map(u16::to_le_bytes))
     }
 
+    /// Numbers below `count`, in as few bytes as they fit.
+    pub fn indices(&mut self, items: impl Iterator<Item = u32>, count: usize) -> Value {
+        match count {
+            0..=0x1_0000 => self.u16(items.map(|i| i as u16)),
+            _ => self.u32(items),
+        }
+    }
+
     pub fn i16(&mut self, items: impl Iterator<Item = i16>) -> Value {
         self.push("i16", items.map(i16::to_le_bytes))
     }
@@ -61,5 +69,7 @@ mod tests {
         assert_eq!(pack.i16([-2].into_iter()), json!({"type": "i16", "start": 4, "length": 1}));
         assert_eq!(pack.bits(&[0, 9], 10), json!({"type": "u8", "start": 8, "length": 2}));
         assert_eq!(pack.bytes(), [1, 2, 3, 0, 254, 255, 0, 0, 1, 2, 0, 0]);
+        let mut kind = |last: u32| pack.indices([last].into_iter(), last as usize + 1)["type"].clone();
+        assert_eq!([kind(0xffff), kind(0x1_0000)], ["u16", "u32"]);
     }
 }

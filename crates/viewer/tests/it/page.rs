@@ -2,7 +2,10 @@
 
 use base64::Engine;
 use mser3d_shape::{BitGrid, Frame, TriangleMesh, VoxelGrid};
-use mser3d_viewer::{PALETTE, PageData, PageRegion, PageShape, PageTree, RegionPair, Up, ViewerError, page};
+use mser3d_viewer::{
+    PALETTE, PageData, PagePart, PageParts, PageRegion, PageShape, PageTree, RegionPair, Up, ViewerError,
+    page,
+};
 use serde_json::Value;
 
 fn tetrahedron() -> TriangleMesh {
@@ -22,6 +25,7 @@ fn region<'a>(vertices: &'a [u32], voxels: &'a [u32], volume: f64) -> PageRegion
         altitude: 0.5,
         stability: f64::INFINITY,
         reliability: None,
+        lifetime: None,
         twin: None,
         side: None,
         volume,
@@ -30,6 +34,20 @@ fn region<'a>(vertices: &'a [u32], voxels: &'a [u32], volume: f64) -> PageRegion
         voxels,
         node: Some([0, 0]),
     }
+}
+
+fn parts() -> PageParts<'static> {
+    let part = |region: Option<u32>, twins| PagePart {
+        colour: PALETTE[1].middle,
+        trunk: region.is_none(),
+        region,
+        twins,
+        side: None,
+        volume: 1.0,
+        volume_fraction: 0.5,
+    };
+    let list = vec![part(None, vec![1]), part(Some(1), vec![0])];
+    PageParts { list, vertices: &[0, 1, -1, 0], voxels: &[0, 1] }
 }
 
 fn tree() -> PageTree<'static> {
@@ -50,6 +68,7 @@ fn shape<'a>(mesh: &'a TriangleMesh, grid: &'a VoxelGrid) -> PageShape<'a> {
         grid: Some(grid),
         vertex_voxel: &[0, 1, 0, -1],
         regions: vec![region(&[0, 1, 3], &[0, 1], 2.0), region(&[1], &[1], 1.0)],
+        parts: Some(parts()),
         trees: vec![tree()],
         facts: vec![["pitch".into(), "0.5".into()]],
     }
@@ -72,8 +91,9 @@ fn the_page_holds_its_data_and_asks_for_nothing_else() {
     (one.regions[1].twin, one.regions[1].side) = (Some(0), Some(-0.5));
     let html = page(&data(vec![one])).unwrap();
     assert!(!html.contains("{{") && html.contains("<title>x &lt; y &amp; z</title>"));
-    // The only address is the name of the SVG namespace.
-    assert_eq!(html.matches("http").count(), html.matches("http-equiv").count() + 1);
+    // The only addresses are the name of the SVG namespace and where words are explained.
+    let known = ["-equiv", "://www.w3.org/2000/svg\"", "s://github.com/mser3d/mser3d/blob/main/\""];
+    assert!(html.split("http").skip(1).all(|rest| known.iter().any(|known| rest.starts_with(known))));
     assert!(html.contains("default-src 'none'"));
 
     let head: Value = serde_json::from_str(script(&html, "id=\"head\">")).unwrap();
@@ -94,7 +114,44 @@ fn the_page_holds_its_data_and_asks_for_nothing_else() {
     // The innermost region counts.
     assert_eq!(labels(&one["label"]), [0, 1, -1, 0]);
     assert_eq!(labels(&one["grid"]["label"]), [0, 1]);
+    assert_eq!((labels(&one["part"]), labels(&one["grid"]["part"])), (vec![0, 1, -1, 0], vec![0, 1]));
+    let part = &one["parts"][0];
+    assert_eq!((&part["vertices"], &part["voxels"], &part["trunk"]), (&2.into(), &1.into(), &true.into()));
+    assert_eq!((&part["twins"], &one["parts"][1]["region"]), (&serde_json::json!([1]), &1.into()));
     assert_eq!(one["trees"][0]["parents"], serde_json::json!([0]));
+}
+
+/// The place of a heading in a page on GitHub: its words in small letters, with hyphens between them.
+fn place(heading: &str) -> String {
+    let kept = heading.trim().chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c));
+    kept.map(|c| if c == ' ' { '-' } else { c.to_ascii_lowercase() }).collect()
+}
+
+#[test]
+fn words_are_explained_where_there_is_something_to_read() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    if !root.join("ARCHITECTURE.md").is_file() {
+        println!("skipped: the documentation is not here");
+        return;
+    }
+    let (mesh, grid) = (tetrahedron(), grid());
+    let html = page(&data(vec![shape(&mesh, &grid)])).unwrap();
+    let from = html.find("const WORDS = {").unwrap();
+    let words = &html[from..from + html[from..].find("};").unwrap()];
+    let targets = words.split('"').filter(|text| text.contains(".md"));
+    let mut count = 0;
+    for target in targets {
+        let (file, heading) = target.split_once('#').map_or((target, None), |(f, h)| (f, Some(h)));
+        let text = std::fs::read_to_string(root.join(file)).unwrap_or_else(|e| panic!("{file}: {e}"));
+        let has = |wanted: &str| {
+            text.lines()
+                .filter_map(|l| l.strip_prefix('#'))
+                .any(|l| place(l.trim_start_matches('#')) == wanted)
+        };
+        assert!(heading.is_none_or(has), "{target}");
+        count += 1;
+    }
+    assert!(count >= 8, "{words}");
 }
 
 #[test]
@@ -120,6 +177,18 @@ fn data_that_do_not_fit_are_named() {
     let mut wrong = good();
     wrong.regions[0].twin = Some(2);
     assert_eq!(error(vec![wrong]), "region 0 names region 2, but there are only 2 (numbered from 0)");
+    let with_parts = |change: fn(&mut PageParts<'_>)| {
+        let mut wrong = good();
+        change(wrong.parts.as_mut().unwrap());
+        error(vec![wrong])
+    };
+    let told = with_parts(|parts| parts.list[0].twins = vec![2]);
+    assert_eq!(told, "part 0 names part 2, but there are only 2 (numbered from 0)");
+    let told = with_parts(|parts| parts.list[1].region = Some(2));
+    assert_eq!(told, "part 1 names region 2, but there are only 2 (numbered from 0)");
+    let told = with_parts(|parts| parts.vertices = &[0, 1, 2, 0]);
+    assert_eq!(told, "vertex 2 names part 2, but there are only 2 (numbered from 0)");
+    assert!(with_parts(|parts| parts.voxels = &[0]).starts_with("parts of voxels: 1 given, 2 needed"));
     let mut wrong = good();
     wrong.trees[0].entry = &[0];
     assert!(error(vec![wrong]).starts_with("entry nodes of a tree: 1 given, 2 needed"));
