@@ -8,7 +8,7 @@ use mser3d_voxelize::Bvh;
 
 use crate::Error;
 use crate::progress::ProgressFn;
-use crate::solid::by_chunks;
+use crate::solid::{PLACED, by_chunks};
 
 /// How far inside the surface lines of sight begin, in voxels.
 const INSIDE: f64 = 1e-3;
@@ -40,7 +40,7 @@ pub(crate) fn seen_from_inside(
     };
     let vertices: Vec<([f64; 3], [f64; 3], Option<u32>)> =
         (mesh.vertices().iter().zip(normals).zip(voxels)).map(|((p, n), voxel)| (*p, *n, voxel)).collect();
-    let found = by_chunks(&vertices, progress, |&(p, normal, nearest)| {
+    let found = by_chunks(&vertices, PLACED..1.0, progress, |&(p, normal, nearest)| {
         nearest.map(|nearest| sight.voxel(p, normal, nearest))
     })?;
     Ok(carried_along_edges(mesh, found))
