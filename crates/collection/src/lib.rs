@@ -72,6 +72,7 @@
 //! ```
 #![warn(missing_docs)]
 
+mod advance;
 mod batch;
 mod budget;
 mod cache;

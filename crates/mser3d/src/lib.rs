@@ -41,6 +41,7 @@
 
 mod bodies;
 mod carry;
+mod course;
 mod describe;
 mod detector;
 mod discrete_shape;

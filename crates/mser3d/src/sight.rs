@@ -8,7 +8,7 @@ use mser3d_voxelize::Bvh;
 
 use crate::Error;
 use crate::progress::ProgressFn;
-use crate::solid::by_chunks;
+use crate::solid::{PLACED, by_chunks};
 
 /// How far inside the surface lines of sight begin, in voxels.
 const INSIDE: f64 = 1e-3;
@@ -34,7 +34,7 @@ pub(crate) fn seen_from_inside(
     let sight = Sight::new(mesh, grid);
     let vertices: Vec<([f64; 3], [f64; 3], Option<u32>)> =
         (mesh.vertices().iter().zip(normals).zip(voxels)).map(|((p, n), voxel)| (*p, *n, voxel)).collect();
-    let found = by_chunks(&vertices, progress, |&(p, normal, nearest)| {
+    let found = by_chunks(&vertices, PLACED..1.0, progress, |&(p, normal, nearest)| {
         nearest.map(|nearest| sight.voxel(p, normal, nearest))
     })?;
     Ok(carried_along_edges(mesh, found))
@@ -48,7 +48,7 @@ pub(crate) fn seen_by_points(
     progress: ProgressFn,
 ) -> Result<Vec<Option<u32>>, Error> {
     let sight = Sight::new(mesh, grid);
-    by_chunks(points, progress, |&(point, normal, nearest)| {
+    by_chunks(points, PLACED..1.0, progress, |&(point, normal, nearest)| {
         nearest.map(|nearest| match sight.voxel(point, normal, nearest) {
             Place::Seen(voxel) | Place::Hidden(voxel) => voxel,
         })

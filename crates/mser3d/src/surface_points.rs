@@ -82,7 +82,7 @@ impl SurfacePoints {
         let outwards = if mesh.signed_volume() < 0.0 { -1.0 } else { 1.0 };
         let nearest = grid.nearest();
         let reach = REACH * grid.frame().spacing().into_iter().fold(0.0, f64::max);
-        let found = by_chunks(&self.places, NO_PROGRESS, |place| {
+        let found = by_chunks(&self.places, 0.0..1.0, NO_PROGRESS, |place| {
             let point = position(mesh, place);
             let [a, b, c] = mesh.corners(place.0 as usize);
             let normal: Vec3 = cross(sub(b, a), sub(c, a)).map(|x| outwards * x);

@@ -5,6 +5,7 @@ mod example;
 
 mod bodies;
 mod parts;
+mod progress;
 mod reliability;
 mod sides;
 mod sight;
@@ -162,8 +163,9 @@ fn progress_goes_through_the_stages_and_can_cancel_in_each() {
     parameters.reliability.deformations = Some(3);
     Detector::new(parameters.clone()).with_progress(&hear).detect(Input::Volume(&mesh)).unwrap();
     let heard = heard.into_inner().unwrap();
-    assert!(heard.is_sorted_by_key(|p| (p.stage as usize, p.done)), "{heard:?}");
-    assert!(heard.iter().all(|p| p.done <= p.total));
+    assert!(heard.is_sorted_by_key(|p| (p.stage as usize as f64, p.done)), "{heard:?}");
+    assert!(heard.is_sorted_by_key(|p| p.overall) && heard.iter().all(|p| (0.0..=1.0).contains(&p.done)));
+    assert_eq!(heard.last().map(|p| (p.done, p.overall)), Some((1.0, 1.0)));
     for calls in (0..heard.len()).step_by(3) {
         let left = AtomicUsize::new(calls);
         let stop = |_| match left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| n.checked_sub(1)) {
