@@ -40,6 +40,9 @@ const EXISTS: f64 = 0.5;
 /// How much of two overlaps by vertices is the same: on coarse meshes several regions have the same vertices.
 const EQUAL: f64 = 1e-9;
 
+/// At which overlap by voxels regions of few and of many eigenpairs are said to be alike.
+const ALIKE: f64 = 0.98;
+
 /// Where a region of each frame is, by vertices.
 type Frames = Vec<Vec<IndexSet>>;
 
@@ -94,12 +97,17 @@ fn measure(
     let tracks = follow(&mut frames()?, &at("tracked"), &parameters)?;
     let cost = watch.stop();
     let watch = Stopwatch::start();
-    search(&frames()?, &at("alone"), parameters.clone())?;
+    let mut plan = frames()?;
+    let scaled = share_parameters(&mut plan, Domain::Volume, &parameters, false)?;
+    plan.jobs.iter_mut().for_each(|job| job.parameters = None);
+    let scaled = Parameters { reliability: parameters.reliability, ..scaled };
+    search(&plan, &at("alone"), scaled)?;
     let alone = watch.stop();
+    let [all, equal, alike] = same_regions(&tracks, &at("tracked"), &at("alone"))?;
     let share = |part: fn(&Usage) -> f64| part(&cost) / part(&alone);
     writeln!(
         costs,
-        "| {name} | {:.1} s | {:.1} s | {:.2} | {:.1} s | {:.1} s | {:.2} |",
+        "| {name} | {:.1} s | {:.1} s | {:.2} | {:.1} s | {:.1} s | {:.2} | {equal} | {alike} | {all} |",
         cost.cpu,
         alone.cpu,
         share(|usage| usage.cpu),
@@ -156,6 +164,31 @@ fn search(plan: &Plan, folder: &Path, parameters: Parameters) -> Result<(), Box<
         Some(failed) => Err(format!("{}: {}", failed.name, failed.error).into()),
         None => Ok(()),
     }
+}
+
+/// Of the regions that full searches found: how many there are, how many tracked frames have to the voxel, and how many at an
+/// overlap of [`ALIKE`].
+fn same_regions(tracks: &TracksRecord, tracked: &Path, alone: &Path) -> Result<[usize; 3], Box<dyn Error>> {
+    let mut counts = [0; 3];
+    for frame in &tracks.frames {
+        let sets = |folder: &Path| -> Result<Vec<IndexSet>, Box<dyn Error>> {
+            let results = Results::load(&folder.join(&frame.name))?;
+            let voxels = results.grid.as_ref().map_or(0, |grid| grid.len());
+            let set = |region: &Vec<u32>| IndexSet::from_members(voxels, region.iter().copied());
+            Ok(results.region_voxels.iter().map(set).collect::<Result<_, _>>()?)
+        };
+        let few = sets(tracked)?;
+        for region in sets(alone)? {
+            let overlap = |other: &IndexSet| {
+                let shared = region.intersection(other).len();
+                shared as f64 / (region.len() + other.len() - shared).max(1) as f64
+            };
+            let best = few.iter().map(overlap).fold(0.0, f64::max);
+            let found = [true, best == 1.0, best >= ALIKE];
+            counts.iter_mut().zip(found).for_each(|(count, found)| *count += usize::from(found));
+        }
+    }
+    Ok(counts)
 }
 
 /// The vertices of the regions of each frame, and the areas of the first one's vertices.
@@ -247,14 +280,14 @@ frames are read as files, with the triangles of each listed in another order.
 | animation | regions in a frame | exist in the next | by vertices: kept | true to the start | by descriptor and place: kept | true to the start | tracks | found in 90 % of the frames |
 |---|---|---|---|---|---|---|---|---|
 {kept}
-What tracking costs, beside the same frames each on its own with the default parameters (a batch, two at a time), with {threads} threads:
+What tracking costs, beside the same frames each on its own with the default parameters (a batch, {threads} at a time), with {threads} threads;
+and how many of the regions that are found on their own tracked frames have, to the voxel and at an overlap of {ALIKE}:
 
-| animation | tracked, CPU | alone, CPU | ratio | tracked, wall | alone, wall | ratio |
-|---|---|---|---|---|---|---|
+| animation | tracked, CPU | alone, CPU | ratio | tracked, wall | alone, wall | ratio | regions to the voxel | at {ALIKE} | of |
+|---|---|---|---|---|---|---|---|---|---|
 {costs}
-Tracked frames compute only the eigenpairs that the shortest time needs (their regions are the same to the voxel or nearly so),
-and each frame is deformed and searched again once, not six times: a region's reliability comes from the copies of several
-frames.
+Tracked frames compute only the eigenpairs that the shortest time needs, and each frame is deformed and searched again
+once, not six times: a region's reliability comes from the copies of several frames.
 ",
         threads = rayon::current_num_threads()
     )

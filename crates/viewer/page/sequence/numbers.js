@@ -84,7 +84,7 @@ function showDetails(data, chosen, now) {
   for (const [title, key, high, text] of curves) {
     if (!present(track, key).length) continue;
     const value = here && here[key] !== null ? text(here[key]) : "–";
-    content.push(element("h3", {}, `${title}: ${value}`), curve(track, key, data.total, now, high));
+    content.push(element("h3", {}, `${title}: ${value}`, element("span", { className: "soft" }, ` (curve from 0 to ${text(high)})`)), curve(track, key, data.total, now, high));
   }
   place.replaceChildren(...content);
 }
