@@ -70,7 +70,8 @@ fn soups_are_refused_at_once_and_inspect_says_so() {
         assert!(
             text(&said.stdout).contains("a run is refused") && !text(&said.stdout).contains("takes about")
         );
-        assert!(start.elapsed() < Duration::from_secs(5), "{name}: {:?}", start.elapsed());
+        // A second on an idle machine; without the refusal minutes.
+        assert!(start.elapsed() < Duration::from_secs(20), "{name}: {:?}", start.elapsed());
     }
 }
 
