@@ -37,7 +37,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     let shapes: Vec<&str> = shapes.iter().map(String::as_str).collect();
     mser3d(&[&["batch", "-o", &at("all"), "--quiet"][..], &shapes].concat())?;
     mser3d(&["query", &at("all"), &at("kick"), "--html", &at("query.html")])?;
-    mser3d(&["view", &at("rest")])?;
+    mser3d(&["view", &at("parted")])?;
     match browser::find() {
         None => println!("no Chromium here: page.png, page_phone.png and query.png stay as they are"),
         Some(program) => screenshots(&program, &work, &pictures)?,
@@ -53,9 +53,10 @@ fn screenshots(program: &Path, work: &Path, pictures: &Path) -> Result<(), Strin
         let png = browser.screenshot()?;
         std::fs::write(&path, png).map_err(|e| format!("{}: {e}", path.display()))
     };
-    let page = work.join("rest/view.html");
+    let page = work.join("parted/view.html");
     browser.load(&page)?;
-    for _ in 0..3 {
+    // An arm.
+    for _ in 0..5 {
         browser.press("n")?;
     }
     shot(&mut browser, "page.png")?;
