@@ -4,7 +4,7 @@
 pub mod peers;
 pub mod python;
 mod refine;
-mod resources;
+pub mod resources;
 mod spectrum;
 mod tree;
 mod voxelize;

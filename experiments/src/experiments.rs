@@ -7,3 +7,4 @@ pub mod reliability;
 pub mod selection;
 pub mod shrec11;
 pub mod sides;
+pub mod tracks;

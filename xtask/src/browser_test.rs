@@ -7,6 +7,7 @@ mod audit;
 mod pages;
 mod panel;
 mod regions;
+mod sequence;
 mod session;
 
 use std::path::PathBuf;
@@ -65,13 +66,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     write(&single, without_parts.page("A figure", Up::Y)?.as_bytes())?;
     // The largest region stays without a match.
     let matches: Vec<RegionPair> = (1..results.record.regions.len() as u32)
-        .map(|id| RegionPair { first: id, second: id, distance: 0.0 })
+        .map(|id| RegionPair { first: id, second: id, distance: 0.0, mistake: false })
         .collect();
     let html = results.match_page(&results, &matches, "Two figures", Up::Y)?;
     write(&pair, html.as_bytes())?;
 
+    sequence::page(&results, &folder.join("sequence.html"))?;
+
     let mut browser = Browser::start(&program, &SOFTWARE_GL)?;
-    let tests: [(&str, fn(&mut Session<'_>) -> Result<(), String>); 17] = [
+    let tests: [(&str, fn(&mut Session<'_>) -> Result<(), String>); 18] = [
         ("the first picture comes soon, and shows the regions' colours", regions::shows_regions),
         ("parts are shown first, and lead to their twins and regions", panel::parts_are_first),
         ("a click on an arm shows the arm's numbers", regions::arm_shows_its_numbers),
@@ -95,6 +98,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
         ("a cut shows the inside, and its regions", regions::cut_shows_the_inside),
         ("a tap on a phone shows the arm's numbers", regions::works_on_a_phone),
         ("a choice on one shape chooses its match on the other", regions::matches_are_linked),
+        ("a sequence plays, and a track shows its numbers over time", sequence::plays),
     ];
     let mut passed = 0;
     for (name, test) in tests {
@@ -120,6 +124,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     let mut blind = Browser::start(&program, &["--disable-3d-apis"])?;
     let mut session = Session { browser: &mut blind, results: &results, folder: &folder };
     regions::says_that_webgl_is_missing(&mut session)?;
+    sequence::is_read_without_webgl(&mut session)?;
     quiet(&blind)?;
     println!("ok: a browser without WebGL2 is told so, and still gets the table");
     println!("browser-test: {} passed, 0 failed; screenshots in {}", passed + 1, folder.display());

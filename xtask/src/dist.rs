@@ -19,7 +19,7 @@ const BUILD: Duration = Duration::from_secs(3600);
 /// The dates of all entries: 1980-01-01, the first that ZIP tools and old tars know too.
 const DATE: u64 = 315_532_800;
 /// Texts of the workspace that go with the program.
-const TEXTS: [&str; 4] = ["CHANGELOG.md", "LICENSE-APACHE", "LICENSE-MIT", "README.md"];
+const TEXTS: [&str; 5] = ["CHANGELOG.md", "LICENSE-APACHE", "LICENSE-DEJAVU", "LICENSE-MIT", "README.md"];
 /// Shells, and the file that each looks for.
 const COMPLETIONS: [(&str, &str); 4] =
     [("bash", "mser3d.bash"), ("zsh", "_mser3d"), ("fish", "mser3d.fish"), ("powershell", "mser3d.ps1")];

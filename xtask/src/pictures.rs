@@ -26,9 +26,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
         mser3d(&["detect", &format!("fixtures/human_{pose}.off"), "-o", &at(pose), "--quiet"])?;
     }
     mser3d(&["render", &at("rest"), "-o", &picture("human_rest.png"), "--height", "600"])?;
-    mser3d(&["detect", "fixtures/human_rest.off", "-o", &at("parted"), "--parts", "auto", "--quiet"])?;
-    mser3d(&["render", &at("parted"), "--parts", "-o", &picture("human_parts.png"), "--height", "600"])?;
-    let views = ["--views", "inside,voxels", "--cut-at", "0.26", "--height", "600"];
+    mser3d(&["detect", "fixtures/human_rest.off", "-o", &at("parted"), "--parts", "12", "--quiet"])?;
+    mser3d(&["render", &at("parted"), "-o", &picture("human_parts.png"), "--height", "600"])?;
+    let views = [
+        "--show",
+        "regions",
+        "--views",
+        "three-quarter,inside,voxels",
+        "--cut-at",
+        "0.26",
+        "--height",
+        "600",
+    ];
     mser3d(&[&["render", &at("kick"), "-o", &picture("human_cut.png")][..], &views].concat())?;
     mser3d(&["match", &at("rest"), &at("kick"), "-o", &at("match")])?;
     copy(&work.join("match/matches.png"), &pictures.join("human_match.png"))?;
@@ -37,7 +46,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     let shapes: Vec<&str> = shapes.iter().map(String::as_str).collect();
     mser3d(&[&["batch", "-o", &at("all"), "--quiet"][..], &shapes].concat())?;
     mser3d(&["query", &at("all"), &at("kick"), "--html", &at("query.html")])?;
-    mser3d(&["view", &at("parted")])?;
+    mser3d(&["view", &at("rest")])?;
     match browser::find() {
         None => println!("no Chromium here: page.png, page_phone.png and query.png stay as they are"),
         Some(program) => screenshots(&program, &work, &pictures)?,
@@ -53,7 +62,7 @@ fn screenshots(program: &Path, work: &Path, pictures: &Path) -> Result<(), Strin
         let png = browser.screenshot()?;
         std::fs::write(&path, png).map_err(|e| format!("{}: {e}", path.display()))
     };
-    let page = work.join("parted/view.html");
+    let page = work.join("rest/view.html");
     browser.load(&page)?;
     // An arm.
     for _ in 0..5 {

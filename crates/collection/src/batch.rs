@@ -4,12 +4,13 @@ use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use mser3d::{Detector, Domain};
+use mser3d::{Detector, Domain, Progress};
 use mser3d_fileio::write_text;
 use mser3d_results::{Extra, Record, Results, ResultsError, ResultsFolder, ShapeFile};
 use mser3d_shape::InvalidParameter;
 use serde::Serialize;
 
+use crate::advance::Advance;
 use crate::budget::Budget;
 use crate::folder::CollectionFolder;
 use crate::recent_volumes::RecentVolumes;
@@ -45,13 +46,16 @@ pub enum Outcome {
     Failed(String),
 }
 
-/// A shape that a batch is through with.
+/// How far a batch is: a shape that it is through with, or one that is under way.
 pub struct Event<'a> {
     /// The shape.
     pub job: &'a Job,
-    /// What became of it.
-    pub outcome: &'a Outcome,
-    /// Shapes that are through, this one included.
+    /// What became of it; `None` while it is under way.
+    pub outcome: Option<&'a Outcome>,
+    /// Share of the work that is done, 0 to 1: of all shapes but those that are kept, each as much as it is expected to take,
+    /// and those that have not begun as much as the others. Never falls.
+    pub share: f64,
+    /// Shapes that are through.
     pub through: usize,
     /// Shapes in all.
     pub total: usize,
@@ -77,7 +81,7 @@ pub struct BatchSummary {
 /// what is there, and ends with the same bytes as one that was never disturbed (times in `regions.json`
 /// aside). Results of another input, other parameters or another version are redone ([`Record::is_of`]).
 ///
-/// `heard` is called from the working threads, after each shape.
+/// `heard` is called from the working threads, one call at a time: now and then, and after each shape.
 ///
 /// # Errors
 /// [`CollectionError::Busy`] when another batch is at it, [`CollectionError::Io`] and
@@ -103,19 +107,32 @@ pub fn run_batch(
     };
     let volumes = RecentVolumes::default();
     let budget = Budget::new(parameters.memory);
-    let (next, through) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let next = AtomicUsize::new(0);
+    let advance = Mutex::new(Advance::new(jobs.len()));
     let fatal = Mutex::new(None);
     let outcomes: Vec<Mutex<Option<Outcome>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
     let worker = || {
-        while let Some((job, slot)) = {
+        while let Some((number, job, slot)) = {
             let number = next.fetch_add(1, Ordering::Relaxed);
-            jobs.get(number).copied().zip(outcomes.get(number))
+            jobs.get(number).zip(outcomes.get(number)).map(|(job, slot)| (number, *job, slot))
         } {
             let shape = || volumes.read(job);
-            match one(&folder, job, &shape, domain, detector, parameters, &budget) {
+            let own =
+                job.parameters.as_deref().map(|own| Detector { parameters: own.clone(), ..detector.clone() });
+            // Locked while it is told, so that no thread overtakes another.
+            let tell = |change: &dyn Fn(&mut Advance), outcome: Option<&Outcome>| {
+                let mut advance = advance.lock().unwrap_or_else(PoisonError::into_inner);
+                change(&mut advance);
+                let (share, through, total) = (advance.share(), advance.through(), jobs.len());
+                heard(Event { job, outcome, share, through, total });
+            };
+            let progress = |seconds: f64, done: f64| {
+                tell(&|advance| advance.is_at(number, seconds, done), None);
+            };
+            let detector = own.as_ref().unwrap_or(detector);
+            match one(&folder, job, &shape, domain, detector, parameters, &budget, &progress) {
                 Ok(outcome) => {
-                    let through = through.fetch_add(1, Ordering::Relaxed) + 1;
-                    heard(Event { job, outcome: &outcome, through, total: jobs.len() });
+                    tell(&|advance| advance.ends(number, outcome == Outcome::Kept), Some(&outcome));
                     *slot.lock().unwrap_or_else(PoisonError::into_inner) = Some(outcome);
                 }
                 Err(error) => {
@@ -150,7 +167,8 @@ pub fn run_batch(
     Ok(summary)
 }
 
-/// Deals with one shape. Errors are those of the collection's folder and of a cancelled batch, not of the shape.
+/// Deals with one shape; `progress` hears how many seconds it is expected to take, and what share of it is done. Errors are those of the collection's folder and of a cancelled batch, not of the shape.
+#[expect(clippy::too_many_arguments, reason = "all of a batch, and a shape")]
 fn one(
     folder: &CollectionFolder,
     job: &Job,
@@ -159,6 +177,7 @@ fn one(
     detector: &Detector,
     parameters: &BatchParameters,
     budget: &Budget,
+    progress: &(dyn Fn(f64, f64) + Sync),
 ) -> Result<Outcome, CollectionError> {
     let _shape = tracing::info_span!("shape", name = job.name).entered();
     let file = match guarded(|| Ok(read()?)) {
@@ -175,8 +194,13 @@ fn one(
     let partial = folder.begin(&job.name)?;
     let done = guarded(|| {
         let input = file.input(domain)?;
-        let share = budget.take(detector.parameters.estimate(&input).memory_bytes);
-        let features = detector.detect(input)?;
+        let estimate = detector.parameters.estimate(&input);
+        let share = budget.take(estimate.memory_bytes);
+        let told = |told: Progress| {
+            progress(estimate.seconds, told.overall);
+            (detector.progress)(told)
+        };
+        let features = detector.clone().with_progress(&told).detect(input)?;
         let results = Results::of_file(&features, &file)?.with_extras(&features, &parameters.extras);
         ResultsFolder::create(&partial)?.write(&results, &parameters.extras)?;
         drop(share);

@@ -9,6 +9,9 @@ pub enum CollectionError {
     /// A result cannot be read.
     #[error(transparent)]
     Results(#[from] mser3d_results::ResultsError),
+    /// A stage of the search failed.
+    #[error(transparent)]
+    Detect(#[from] mser3d::Error),
     /// A shape has no regions to compare.
     #[error(
         "{}: this shape has no regions, so there is nothing to compare; detect with a smaller --min-volume or --window",
@@ -115,6 +118,16 @@ pub enum CollectionError {
         limit: usize,
         /// Pictures on it.
         pictures: usize,
+    },
+    /// A page of a sequence would be too large to be sent and opened.
+    #[error(
+        "a page of two frames would have {bytes} bytes, more than {limit}; track meshes of fewer vertices, or leave out --html"
+    )]
+    LargeSequence {
+        /// Bytes of the page.
+        bytes: usize,
+        /// How many there may be.
+        limit: usize,
     },
     /// A table cannot be written or read.
     #[error("{}: {reason}", path.display())]

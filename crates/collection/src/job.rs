@@ -2,6 +2,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
+use mser3d::Parameters;
 use mser3d_fileio::file_stem;
 use mser3d_meshio::{AnimationInfo, MeshFormat, ReadOptions, list_animations};
 use mser3d_results::{ResultsError, ShapeFile, ShapeOptions, VolumeFile};
@@ -19,6 +20,8 @@ pub struct Job {
     pub path: PathBuf,
     /// How it is read: the frame of an animation, the label of a label map.
     pub options: ShapeOptions,
+    /// Parameters of its own, in place of the detector's. Of most shapes none.
+    pub parameters: Option<Box<Parameters>>,
 }
 
 impl Job {
@@ -105,7 +108,7 @@ pub fn plan(inputs: &[PathBuf], parameters: &PlanParameters) -> Result<Plan, Col
     for (path, name) in paths.iter().zip(names(&paths)) {
         let is_volume = VolumeFormat::of(path).is_some();
         let options = if is_volume { parameters.volumes.clone() } else { ShapeOptions::default() };
-        let job = Job { name, path: path.clone(), options };
+        let job = Job { name, path: path.clone(), options, parameters: None };
         match &parameters.frames {
             Some(frames) => plan.jobs.extend(frames_of(&job, frames)?),
             None if is_volume && parameters.all_labels => plan.add_labels(job),
@@ -145,7 +148,7 @@ impl Plan {
     }
 }
 
-fn expand(path: &Path, recursive: bool) -> Result<Vec<PathBuf>, CollectionError> {
+pub(crate) fn expand(path: &Path, recursive: bool) -> Result<Vec<PathBuf>, CollectionError> {
     let fail = |problem: String| CollectionError::Input { input: path.display().to_string(), problem };
     let found = if path.is_dir() {
         let files = files_in(path, recursive)?;
@@ -210,36 +213,50 @@ fn has_extension(path: &Path, extension: &str) -> bool {
 }
 
 fn frames_of(file: &Job, frames: &Frames) -> Result<Vec<Job>, CollectionError> {
-    let (path, name) = (&file.path, &file.name);
-    let animations = list_animations(path)?;
-    let is_wanted = |a: &&AnimationInfo| {
-        a.name.as_ref() == Some(&frames.animation) || a.index.to_string() == frames.animation
-    };
-    let Some(animation) = animations.iter().find(is_wanted) else {
-        let there = match animations.len() {
-            0 => "it has none".to_owned(),
-            _ => format!(
-                "it has {}",
-                animations.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
-            ),
-        };
-        let problem = format!("there is no animation {:?}: {there}", frames.animation);
-        return Err(CollectionError::Input { input: path.display().to_string(), problem });
-    };
+    let animation = find_animation(&file.path, Some(&frames.animation))?;
     let times = animation.frame_times(frames.rate)?;
+    Ok(jobs_at(file, &frames.animation, animation.index, times))
+}
+
+/// A job for each of these times of an animation.
+pub(crate) fn jobs_at(file: &Job, named: &str, animation: usize, times: Vec<f64>) -> Vec<Job> {
     let job = |(number, time): (usize, f64)| Job {
-        name: format!("{name}-{}-{number:04}", plain(&frames.animation)),
-        path: path.clone(),
+        name: format!("{}-{}-{number:04}", file.name, plain(named)),
         options: ShapeOptions {
-            pose: ReadOptions { animation: Some(animation.index.to_string()), time },
+            pose: ReadOptions { animation: Some(animation.to_string()), time },
             ..file.options.clone()
         },
+        ..file.clone()
     };
-    Ok(times.into_iter().enumerate().map(job).collect())
+    times.into_iter().enumerate().map(job).collect()
+}
+
+/// The animation of a file with this name or number; if none is named, the only one.
+pub(crate) fn find_animation(path: &Path, named: Option<&str>) -> Result<AnimationInfo, CollectionError> {
+    let mut animations = list_animations(path)?;
+    let is_wanted = |a: &AnimationInfo| match named {
+        Some(named) => a.name.as_deref() == Some(named) || a.index.to_string() == named,
+        None => true,
+    };
+    let there = || match animations.len() {
+        0 => "it has none".to_owned(),
+        _ => format!("it has {}", animations.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")),
+    };
+    let problem = match named {
+        Some(named) => format!("there is no animation {named:?}: {}", there()),
+        None if animations.len() > 1 => format!("choose an animation with --animation: {}", there()),
+        None => "it has no animation, so it is no sequence; give an animated glTF file, or several files"
+            .to_owned(),
+    };
+    let found = animations.iter().position(is_wanted).filter(|_| named.is_some() || animations.len() == 1);
+    match found {
+        Some(at) => Ok(animations.swap_remove(at)),
+        None => Err(CollectionError::Input { input: path.display().to_string(), problem }),
+    }
 }
 
 /// A name for each path: as few of its last parts as tell it from the others.
-fn names(paths: &[PathBuf]) -> Vec<String> {
+pub(crate) fn names(paths: &[PathBuf]) -> Vec<String> {
     let candidate = |path: &Path, level: usize| {
         let own = if level == 0 {
             file_stem(path)
@@ -279,7 +296,7 @@ fn names(paths: &[PathBuf]) -> Vec<String> {
 }
 
 /// A part of a path as a folder's name: not hidden, without separators.
-fn plain(part: &str) -> String {
+pub(crate) fn plain(part: &str) -> String {
     let name: String =
         part.chars().map(|c| if c == '/' || c == '\\' || c.is_control() { '_' } else { c }).collect();
     match name.strip_prefix('.') {

@@ -72,6 +72,7 @@
 //! ```
 #![warn(missing_docs)]
 
+mod advance;
 mod batch;
 mod budget;
 mod cache;
@@ -89,6 +90,7 @@ mod query;
 mod query_page;
 mod recent_volumes;
 mod tables;
+mod track;
 
 pub use batch::{BatchParameters, BatchSummary, Event, Outcome, run_batch};
 pub use cache::{CacheUse, SpectrumCache};
@@ -102,6 +104,9 @@ pub use label_tables::write_label_map;
 pub use matching::{DescribedResult, MatchRecord, Matching, MatchingParameters, RegionMatch, match_results};
 pub use query::{Hit, Index, QueryRecord, RegionHits};
 pub use tables::{Tables, build_tables};
+pub use track::{
+    Sampling, plan_sequence, share_parameters, track_glb, track_page, track_pictures, track_results,
+};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -65,6 +65,19 @@ pub enum MeshIoError {
         /// The animations that are there.
         available: Vec<AnimationInfo>,
     },
+    /// The time asked for is beyond the end of the animation.
+    #[error(
+        "{}: animation {animation} ends at {} s, before the time asked for, {time} s; choose a time from 0 to its end",
+        path.display(), animation.end
+    )]
+    BeyondAnimation {
+        /// The file.
+        path: PathBuf,
+        /// The animation.
+        animation: AnimationInfo,
+        /// The time asked for, in seconds.
+        time: f64,
+    },
     /// A parameter is out of its range.
     #[error(transparent)]
     InvalidParameter(#[from] InvalidParameter),

@@ -109,7 +109,8 @@ pub use format::MeshFormat;
 pub use gltf::{AnimationInfo, list_animations};
 pub use read::{LoadedMesh, ReadOptions, read_mesh, read_mesh_from};
 pub use write::{
-    VertexAttributes, VoxelField, VoxelValues, write_glb, write_off, write_ply, write_vti, write_vtp,
+    Moment, VertexAttributes, VoxelField, VoxelValues, write_glb, write_moving_glb, write_off, write_ply,
+    write_vti, write_vtp,
 };
 
 #[cfg(doctest)]

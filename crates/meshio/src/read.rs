@@ -12,8 +12,8 @@ pub struct ReadOptions {
     /// The glTF animation that poses the figure, by name or by number from 0; `None` for the pose
     /// that the file's nodes are in.
     pub animation: Option<String>,
-    /// When in the animation, in seconds. Before the first key and after the last one the figure
-    /// holds still. Zero without an animation.
+    /// When in the animation, in seconds. Before the first key the figure holds still; a time after the last one is an error.
+    /// Zero without an animation.
     pub time: f64,
 }
 

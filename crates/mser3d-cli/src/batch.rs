@@ -14,6 +14,7 @@ use crate::error::{CliError, print, print_json};
 use crate::input::reading;
 use crate::numbers::count;
 use crate::options::RegionOptions;
+use crate::output::folder;
 use crate::progress::BatchMeter;
 use crate::run_options::RunOptions;
 use crate::volume_options::VolumeOptions;
@@ -25,7 +26,7 @@ pub struct BatchArgs {
     #[arg(required_unless_present = "merge", conflicts_with = "merge")]
     pub inputs: Vec<PathBuf>,
     /// Folder of the collection; made if it isn't there
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", value_parser = folder())]
     pub output: PathBuf,
     /// Do only part I of N, for job arrays; --merge makes the tables when all are done
     #[arg(long, value_name = "I/N", conflicts_with = "merge")]
@@ -155,6 +156,12 @@ pub fn tell(
         }
         print(&tables)?;
     }
+    tell_failures(summary)
+}
+
+/// An error where shapes have failed.
+pub fn tell_failures(summary: &BatchSummary) -> Result<(), CliError> {
+    let BatchSummary { computed, kept, failed, .. } = summary;
     if failed.is_empty() {
         return Ok(());
     }

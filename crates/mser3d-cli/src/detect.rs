@@ -12,6 +12,7 @@ use crate::error::{CliError, print};
 use crate::input::{InputArgs, folder_beside};
 use crate::interrupt;
 use crate::options::RegionOptions;
+use crate::output::folder;
 use crate::progress::Meter;
 use crate::run_options::RunOptions;
 use crate::table;
@@ -25,7 +26,7 @@ pub struct DetectArgs {
     #[command(flatten)]
     pub volume: VolumeOptions,
     /// Folder for the results; made if it isn't there [default: the input's name]
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", value_parser = folder())]
     pub output: Option<PathBuf>,
     /// Write a page for the browser too, view.html in the folder
     #[arg(long)]
@@ -85,7 +86,7 @@ pub fn run(args: &DetectArgs) -> Result<(), CliError> {
     if args.json {
         print(&results.record.to_json().map_err(|e| CliError::Stdout(e.into()))?)
     } else if !args.run.quiet {
-        print(&(table::regions(&features, &output) + &table::parts(&features)))
+        print(&table::found(&features, &output))
     } else {
         Ok(())
     }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use mser3d_results::Results;
 
 use crate::error::CliError;
+use crate::output::{EXPORT, file};
 
 #[derive(clap::Args)]
 pub struct ExportArgs {
@@ -13,7 +14,7 @@ pub struct ExportArgs {
     /// File to write, coloured by region; its ending says the format: .glb (Blender, browsers), .ply,
     /// .vtp (surface, for ParaView), .vti (voxels, for ParaView), .nii.gz (label map on the input's grid) or .mrk.json
     /// (landmarks for 3D Slicer)
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", value_parser = file(EXPORT))]
     pub output: PathBuf,
     /// Write the parts in place of the regions
     #[arg(long)]

@@ -15,12 +15,14 @@ mod matching;
 mod msv;
 mod numbers;
 mod options;
+mod output;
 mod progress;
 mod query;
 mod render;
 mod run_options;
 mod shell;
 mod table;
+mod track;
 mod version;
 mod view;
 mod volume_options;
@@ -80,6 +82,9 @@ enum Command {
     Match(matching::MatchArgs),
     /// Find the regions of many shapes, each in its folder, and make tables of them
     Batch(Box<batch::BatchArgs>),
+    /// Follow the regions of a body through a sequence: an animation, or meshes of one moment each
+    #[command(allow_negative_numbers = true)]
+    Track(Box<track::TrackArgs>),
     /// Find the regions of a collection that are most like those of a shape
     Query(query::QueryArgs),
     /// Print completions for a shell
@@ -105,6 +110,7 @@ fn main() -> ExitCode {
         Command::View(args) => view::run(args),
         Command::Match(args) => matching::run(args),
         Command::Batch(args) => batch::run(args),
+        Command::Track(args) => track::run(args),
         Command::Query(args) => query::run(args),
         Command::Completions(args) => shell::completions(args),
         Command::Man(args) => shell::man(args),

@@ -5,15 +5,16 @@ use std::path::{Path, PathBuf};
 
 use mser3d::descriptors::{DenseMapParameters, MatchParameters, MatchRule};
 use mser3d_collection::{
-    CollectionError, DescribedResult, MatchRecord, Matching, MatchingParameters, judge_matching,
+    CollectionError, DescribedResult, MatchRecord, Matching, MatchingParameters, RegionMatch, judge_matching,
     map_vertices, match_results,
 };
-use mser3d_evaluation::read_symmetry;
+use mser3d_evaluation::{Verdict, read_symmetry};
 use mser3d_fileio::{NpyArray, write_atomically, write_npy, write_text};
 use mser3d_results::{RegionPair, RenderOptions, Results, ResultsError, Up};
 
 use crate::choice::choice;
 use crate::error::{CliError, print};
+use crate::output::folder;
 
 /// What can be written to the folder of matches besides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -30,7 +31,7 @@ pub struct MatchArgs {
     pub second: PathBuf,
     /// Folder for matches.json, matches.csv and matches.png, a picture with matched regions in one
     /// colour; made if it isn't there
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", value_parser = folder())]
     pub output: Option<PathBuf>,
     /// Write a page for the browser too, matches.html in the folder: both shapes side by side
     #[arg(long, requires = "output")]
@@ -126,8 +127,11 @@ fn write(
     std::fs::create_dir_all(folder).map_err(fail)?;
     write_text(&folder.join("matches.csv"), &matching.to_csv())?;
     let pairs = matching.matches.iter();
-    let pairs: Vec<RegionPair> =
-        pairs.map(|m| RegionPair { first: m.partner, second: m.region, distance: m.distance }).collect();
+    let pair = |m: &RegionMatch| {
+        let mistake = m.truth.is_some_and(|truth| truth.verdict != Verdict::Right);
+        RegionPair { first: m.partner, second: m.region, distance: m.distance, mistake }
+    };
+    let pairs: Vec<RegionPair> = pairs.map(pair).collect();
     let options = RenderOptions { height: 600, up: args.up, ..RenderOptions::default() };
     let sheet = first.match_sheet(second, &pairs, &options)?;
     write_atomically(&folder.join("matches.png"), |out| sheet.write_png(out).map_err(std::io::Error::other))?;

@@ -12,6 +12,7 @@ use crate::choice::choice;
 use crate::error::{CliError, print};
 use crate::input::folder_beside;
 use crate::numbers::positive;
+use crate::output::folder;
 use crate::voxel_options::triple;
 
 #[derive(clap::Args)]
@@ -21,7 +22,7 @@ pub struct MsvArgs {
     pub input: PathBuf,
     /// Folder for msv.json, regions.csv, and labels.vti and labels.npy (a channel for each kind of region; the
     /// number of the smallest region, -1 for none); made if it isn't there [default: the volume's name]
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", value_parser = folder())]
     pub output: Option<PathBuf>,
     /// Which regions are searched [default: dark,bright; of colours alike]
     #[arg(long, value_parser = choice::<Contrast>(), value_delimiter = ',', value_name = "KIND,...")]

@@ -1,11 +1,12 @@
 //! Command-line options that become [`Parameters`]. Defaults and the names of choices are the library's.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 use std::sync::LazyLock;
 
 use mser3d::comptree::{AltitudeScale, Polarity, PoolParameters, StabilityParameters, StabilityRule};
 use mser3d::descriptors::TimeScale;
-use mser3d::shape::Domain;
+use mser3d::shape::{Domain, InvalidParameter};
 use mser3d::spectral::{EigenpairRange, Eigensolver, SpectrumParameters};
 use mser3d::{
     Bodies, DescriptorKind, Parameters, PartCount, PartParameters, ReliabilityParameters, available_memory,
@@ -131,9 +132,27 @@ pub struct RegionOptions {
     #[arg(long, value_parser = choice::<DescriptorKind>(), default_value_t = DescriptorKind::default(),
           help_heading = "Regions")]
     pub descriptor: DescriptorKind,
-    /// Divide each body into parts too, every voxel and vertex in exactly one: limbs and trunk (auto), or this many
-    #[arg(long, value_name = "auto|N", help_heading = "Regions")]
-    pub parts: Option<PartCount>,
+    /// Divide each body into parts too, every voxel and vertex in exactly one: limbs and trunk (auto), this many, or none
+    #[arg(long, value_name = "auto|N|none", default_value = "auto", help_heading = "Regions")]
+    pub parts: WantedParts,
+}
+
+/// How many parts, if any.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WantedParts(pub Option<PartCount>);
+
+impl FromStr for WantedParts {
+    type Err = InvalidParameter;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text.parse() {
+            _ if text == "none" => Ok(Self(None)),
+            Ok(count) => Ok(Self(Some(count))),
+            Err(_) => {
+                Err(InvalidParameter::new("parts", text, "auto, none, or a whole number of at least 1"))
+            }
+        }
+    }
 }
 
 impl RegionOptions {
@@ -186,7 +205,7 @@ impl RegionOptions {
                 ..ReliabilityParameters::default()
             },
             descriptor: self.descriptor.into(),
-            parts: self.parts.map(|count| PartParameters {
+            parts: self.parts.0.map(|count| PartParameters {
                 count,
                 min_volume_fraction: self.min_volume,
                 ..PartParameters::default()

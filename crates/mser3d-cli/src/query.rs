@@ -10,6 +10,7 @@ use mser3d_results::{Up, side_text};
 use crate::choice::choice;
 use crate::error::{CliError, print, print_json};
 use crate::numbers::count;
+use crate::output::{PAGE, file};
 
 #[derive(clap::Args)]
 pub struct QueryArgs {
@@ -30,7 +31,7 @@ pub struct QueryArgs {
     #[arg(long)]
     pub json: bool,
     /// Write a page with pictures of the regions and those closest to them, in one file
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = file(PAGE))]
     pub html: Option<PathBuf>,
     /// Axis that points up, in the pictures
     #[arg(long, value_parser = choice::<Up>(), default_value_t = Up::default())]

@@ -8,22 +8,23 @@ use mser3d::shape::Choice;
 use mser3d_fileio::write_atomically;
 use mser3d_results::msv::MsvResults;
 use mser3d_results::{Image, RenderOptions, Results, ResultsError, Up};
-use mser3d_viewer::{NamedView, Panel, View, render};
+use mser3d_viewer::{NamedView, Panel, View, render_with_legend};
 
 use crate::choice::choice;
 use crate::error::CliError;
+use crate::output::{PICTURE, file};
 
 #[derive(clap::Args)]
 pub struct RenderArgs {
     /// Folder that `mser3d detect` or `mser3d msv` wrote
     pub folder: PathBuf,
-    /// Picture to write, .png [default: regions.png in the folder, with --parts parts.png]
-    #[arg(short, long, value_name = "FILE")]
+    /// Picture to write, .png [default: parts.png or regions.png in the folder, by what is shown]
+    #[arg(short, long, value_name = "FILE", value_parser = file(PICTURE))]
     pub output: Option<PathBuf>,
-    /// Draw the parts in place of the regions
-    #[arg(long)]
-    pub parts: bool,
-    /// What to draw, from left to right [default: all but voxels and top, inside for volumes]
+    /// What is shown [default: parts, where the folder has them]
+    #[arg(long, value_enum, value_name = "WHAT")]
+    pub show: Option<Show>,
+    /// From where, from left to right [default: all but voxels and top, inside for volumes]
     #[arg(long, value_parser = shots(), value_delimiter = ',', value_name = "VIEW,...")]
     pub views: Vec<Shot>,
     /// Height of each view, in pixels
@@ -43,7 +44,18 @@ pub struct RenderArgs {
     pub up: Up,
 }
 
-/// What a panel shows.
+/// What of a result is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Show {
+    /// The parts: each place is in one
+    Parts,
+    /// The regions, one in the other: each place has the colour of the innermost
+    Regions,
+    /// Each region by itself, the surest first
+    Each,
+}
+
+/// From where a panel shows it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shot {
     /// The surface, from a side
@@ -91,34 +103,61 @@ impl Shot {
 }
 
 pub fn run(args: &RenderArgs) -> Result<(), CliError> {
-    let output = args
-        .output
-        .clone()
-        .unwrap_or_else(|| args.folder.join(if args.parts { "parts.png" } else { "regions.png" }));
-    if !output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
-        let name = output.display();
-        return Err(CliError::Usage(format!("{name}: pictures are written as PNG; end the name in .png")));
-    }
-    let options =
-        RenderOptions { height: args.height, columns: args.columns, up: args.up, ..RenderOptions::default() };
-    let picture = if MsvResults::is_in(&args.folder) && !args.parts {
+    let options = RenderOptions {
+        height: args.height,
+        columns: args.columns,
+        up: args.up,
+        scale_bar: true,
+        ..RenderOptions::default()
+    };
+    let (picture, name) = if MsvResults::is_in(&args.folder) && args.show.is_none() {
         if !args.views.is_empty() || args.cut_axis.is_some() {
             let why = "--views and --cut-axis need a result of `mser3d detect`; one of `mser3d msv` has one picture";
             return Err(CliError::Usage(why.into()));
         }
-        MsvResults::load(&args.folder)?.sheet(&options)?
+        (MsvResults::load(&args.folder)?.sheet(&options)?, "regions.png")
     } else {
-        draw(args, &options)?
+        let results = Results::load(&args.folder)?;
+        let parts = if results.record.parts.is_some() { Show::Parts } else { Show::Regions };
+        let front = results.front(args.up).unwrap_or(0.0);
+        match args.show.unwrap_or(parts) {
+            Show::Parts => {
+                (draw(args, &results.with_parts_as_regions()?, "part", front, &options)?, "parts.png")
+            }
+            Show::Regions => (draw(args, &results, "region", front, &options)?, "regions.png"),
+            Show::Each => (each(args, &results, options)?, "each.png"),
+        }
     };
+    let output = args.output.clone().unwrap_or_else(|| args.folder.join(name));
     let mut png = Vec::new();
     picture.write_png(&mut png).map_err(ResultsError::from)?;
     Ok(write_atomically(&output, |out| std::io::Write::write_all(out, &png))?)
 }
 
-fn draw(args: &RenderArgs, options: &RenderOptions) -> Result<Image, CliError> {
-    let results = Results::load(&args.folder)?;
-    let results = if args.parts { results.with_parts_as_regions()? } else { results };
+fn each(args: &RenderArgs, results: &Results, mut options: RenderOptions) -> Result<Image, CliError> {
+    if !args.views.is_empty() || args.cut_axis.is_some() {
+        let why = "--views and --cut-axis are for parts and regions; --show each shows each region from where it is seen";
+        return Err(CliError::Usage(why.into()));
+    }
+    if results.record.regions.is_empty() {
+        return Err(CliError::Usage("--show each: there are no regions".into()));
+    }
+    if options.columns == 0 {
+        options.columns = 8;
+    }
+    Ok(results.multiples(&options)?)
+}
+
+fn draw(
+    args: &RenderArgs,
+    results: &Results,
+    what: &str,
+    facing: f64,
+    options: &RenderOptions,
+) -> Result<Image, CliError> {
     let solid = results.grid.is_some();
+    // Whoever names views means those of the file's axes.
+    let front = if args.views.is_empty() { facing } else { 0.0 };
     let shots = match &args.views[..] {
         [] => {
             let sides = [NamedView::Front, NamedView::ThreeQuarter, NamedView::Side, NamedView::Back];
@@ -129,8 +168,8 @@ fn draw(args: &RenderArgs, options: &RenderOptions) -> Result<Image, CliError> {
     if !solid && shots.iter().any(|s| [Shot::Inside, Shot::Voxels].contains(s)) {
         return Err(CliError::Usage("--views inside and voxels need a volume, and this is a surface".into()));
     }
-    let cut = results.cut(args.cut_axis.map(|axis| axis as usize), args.cut_at, args.up);
-    let surface = results.model()?;
+    let cut = results.cut(args.cut_axis.map(|axis| axis as usize), args.cut_at, args.up, front);
+    let surface = results.numbered_model(&results.colours())?;
     let mut open = None;
     let mut voxels = None;
     if shots.contains(&Shot::Inside) {
@@ -147,8 +186,9 @@ fn draw(args: &RenderArgs, options: &RenderOptions) -> Result<Image, CliError> {
                 Shot::Voxels => voxels.as_ref(),
                 _ => None,
             };
-            Panel { model: model.unwrap_or(&surface), view: shot.view(), caption: shot.caption() }
+            let (model, view) = (model.unwrap_or(&surface), shot.view().turned(front));
+            Panel { model, view, caption: shot.caption() }
         })
         .collect();
-    Ok(render(&panels, options).map_err(ResultsError::from)?)
+    Ok(render_with_legend(&panels, &results.legend(what), options).map_err(ResultsError::from)?)
 }

@@ -9,6 +9,7 @@ use mser3d_results::ResultsError;
 
 use crate::Cli;
 use crate::error::{CliError, print};
+use crate::output::folder;
 
 #[derive(clap::Args)]
 pub struct CompletionsArgs {
@@ -26,7 +27,7 @@ pub fn completions(args: &CompletionsArgs) -> Result<(), CliError> {
 #[derive(clap::Args)]
 pub struct ManArgs {
     /// Folder for mser3d.1, mser3d-detect.1 and so on; made if it isn't there
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", value_parser = folder())]
     pub output: PathBuf,
 }
 

@@ -1,15 +1,27 @@
-//! The regions as a short table.
+//! What was found as a short table.
 
 use std::path::Path;
 
 use mser3d::{Domain, Features, PartCount, Sidedness};
 use mser3d_results::{left_and_right, side_text};
 
-pub fn regions(features: &Features, folder: &Path) -> String {
-    let elements = match features.shape.domain() {
+/// The regions, the parts, and where they were written.
+pub fn found(features: &Features, folder: &Path) -> String {
+    let (count, size) = (features.regions.len(), features.shape.len());
+    let elements = elements(features);
+    let end = format!("{count} regions in {size} {elements}; written to {}\n", folder.display());
+    regions(features) + &parts(features) + &left_and_right_of_bodies(features) + &end
+}
+
+fn elements(features: &Features) -> &'static str {
+    match features.shape.domain() {
         Domain::Volume => "voxels",
         Domain::Surface => "vertices",
-    };
+    }
+}
+
+fn regions(features: &Features) -> String {
+    let elements = elements(features);
     // Columns that would have nothing to say are left out.
     let twins = features.regions.iter().any(|region| region.twin.is_some());
     let sides = features.regions.iter().any(|region| region.side.is_some());
@@ -43,26 +55,28 @@ pub fn regions(features: &Features, folder: &Path) -> String {
         text += "no stable regions: a shape without parts (a ball) has none; else try --min-volume 0.005, \
                  --window 0.1 or other --time-scale\n";
     }
+    text
+}
+
+/// That left and right can't be told, where they can't.
+fn left_and_right_of_bodies(features: &Features) -> String {
     let several = features.bodies.len() > 1;
+    let mut text = String::new();
     for (number, body) in features.bodies.iter().enumerate() {
         if let (Sidedness::Alike { .. }, Some(told)) = (body.sidedness, left_and_right(body.sidedness)) {
             let of_body = if several { format!("body {number}: ") } else { String::new() };
             text += &format!("{of_body}left and right {told}\n");
         }
     }
-    let (count, size) = (features.regions.len(), features.shape.len());
-    text + &format!("{count} regions in {size} {elements}; written to {}\n", folder.display())
+    text
 }
 
-/// The parts as a short table; nothing where none were asked for.
-pub fn parts(features: &Features) -> String {
+/// The parts; nothing where none were asked for.
+fn parts(features: &Features) -> String {
     let (Some(found), Some(wanted)) = (&features.partition, &features.parameters.parts) else {
         return String::new();
     };
-    let elements = match features.shape.domain() {
-        Domain::Volume => "voxels",
-        Domain::Surface => "vertices",
-    };
+    let elements = elements(features);
     let mut text = format!("\npart  region  measure %  {elements:>8}  twins  centroid\n");
     for (id, part) in found.parts.iter().enumerate() {
         let region = match (part.trunk, part.region) {

@@ -9,13 +9,14 @@ use mser3d_volumeio::Volume;
 
 use crate::choice::choice;
 use crate::error::{CliError, print};
+use crate::output::{PAGE, file};
 
 #[derive(clap::Args)]
 pub struct ViewArgs {
     /// Folder that `mser3d detect` or `mser3d msv` wrote
     pub folder: PathBuf,
-    /// Page to write [default: view.html in the folder]
-    #[arg(short, long, value_name = "FILE")]
+    /// Page to write, .html [default: view.html in the folder]
+    #[arg(short, long, value_name = "FILE", value_parser = file(PAGE))]
     pub output: Option<PathBuf>,
     /// Axis that points up
     #[arg(long, value_parser = choice::<Up>(), default_value_t = Up::default())]

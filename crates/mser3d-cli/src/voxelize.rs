@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use crate::error::{CliError, print, print_json};
 use crate::input::{InputArgs, output_beside};
+use crate::output::{MASK, file};
 use crate::voxel_options::VoxelOptions;
 
 #[derive(clap::Args)]
@@ -17,7 +18,7 @@ pub struct VoxelizeArgs {
     pub input: InputArgs,
     /// Mask to write, 1 inside and 0 outside: NIfTI (.nii, .nii.gz), which keeps the grid's place, or NumPy
     /// (.npy), indexed [x, y, z] [default: the input's name, as .nii.gz]
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", value_parser = file(MASK))]
     pub output: Option<PathBuf>,
     /// Print what was made as JSON
     #[arg(long)]
@@ -28,14 +29,7 @@ pub struct VoxelizeArgs {
 
 pub fn run(args: &VoxelizeArgs) -> Result<(), CliError> {
     let output = args.output.clone().unwrap_or_else(|| output_beside(&args.input.input, ".nii.gz"));
-    let write = match VolumeFormat::of(&output) {
-        Some(VolumeFormat::Npy) => write_npy,
-        Some(VolumeFormat::Nifti) => write_nifti,
-        _ => {
-            let name = output.display();
-            return Err(CliError::Usage(format!("{name}: masks are written as .npy, .nii or .nii.gz")));
-        }
-    };
+    let write = if VolumeFormat::of(&output) == Some(VolumeFormat::Npy) { write_npy } else { write_nifti };
     let parameters = args.options.parameters()?;
     let file = args.input.read(&ShapeOptions { pose: args.input.pose(), ..Default::default() })?;
     let Some(mesh) = file.mesh() else {

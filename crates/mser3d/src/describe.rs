@@ -90,6 +90,9 @@ pub(crate) fn describe_with(
     Ok(Described { descriptors, sides })
 }
 
+/// Share of the work when all regions have their signatures; the rest tells left from right.
+const SIGNED: f64 = 0.65;
+
 /// The means of signatures over regions; `signature` describes elements by their numbers.
 fn means(
     basis: &Eigenbasis,
@@ -97,15 +100,15 @@ fn means(
     progress: ProgressFn,
     signature: impl Fn(&[u32]) -> Result<Descriptors, DescriptorError>,
 ) -> Result<Descriptors, Error> {
-    let told = |done: usize| report(progress, Stage::Descriptors, done, regions.len());
-    told(0)?;
+    let told = |done: f64| report(progress, Stage::Descriptors, SIGNED * done);
+    told(0.0)?;
     let mut stopped = Ok(());
     let members: Vec<&[u32]> = regions.iter().map(|r| &r.elements[..]).collect();
     let rows = region_descriptors(&members, basis.mass(), |elements| {
         let first = signature(&elements[..elements.len().min(ELEMENTS)])?;
         let mut values = first.values().to_vec();
         for (chunk, part) in elements.chunks(ELEMENTS).enumerate().skip(1) {
-            stopped = told(regions.len() * chunk * ELEMENTS / elements.len());
+            stopped = told((chunk * ELEMENTS) as f64 / elements.len() as f64);
             if stopped.is_err() {
                 // With too few rows, nothing is made of them.
                 break;
@@ -116,7 +119,7 @@ fn means(
     });
     stopped?;
     let rows = rows?;
-    told(regions.len())?;
+    told(1.0)?;
     Ok(rows)
 }
 

@@ -1,5 +1,6 @@
 use mser3d_spectral::{EigenpairRange, Spectrum, SpectrumParameters};
 
+use crate::course::Course;
 use crate::describe::{Described, describe_with};
 use crate::features::{Found, FoundOnBody};
 use crate::input::Prepared;
@@ -100,20 +101,22 @@ impl<'a> Detector<'a> {
             return Err(Error::NoField);
         }
         let mut clock = Clock::start();
+        let course = Course::new(*progress, parameters.estimate(&input).stages);
+        let progress = |told: Progress| course.hear(told);
         if let Input::Volume(_) = input {
-            report(*progress, Stage::Voxelize, 0, 1)?;
+            report(&progress, Stage::Voxelize, 0.0)?;
         }
         let original = Original::of(&input);
         let mesh = match input {
             Input::Volume(mesh) => Some(mesh),
             _ => None,
         };
-        let Prepared { shape, bodies, voxelization, mut warnings } = input.prepare(parameters, *progress)?;
+        let Prepared { shape, bodies, voxelization, mut warnings } = input.prepare(parameters, &progress)?;
         if parameters.weight == Weight::Curvature && shape.mesh().is_none() {
             return Err(Error::NoMesh);
         }
         if let Some(voxelization) = &voxelization {
-            report(*progress, Stage::Voxelize, 1, 1)?;
+            course.end(Stage::Voxelize)?;
             let seconds = clock.lap(Stage::Voxelize);
             tracing::info!(
                 voxels = shape.len(),
@@ -128,10 +131,19 @@ impl<'a> Detector<'a> {
         }
         let parts = if bodies.len() > 1 { shape.split(&bodies)? } else { Vec::new() };
         let part = |body: usize| parts.get(body).unwrap_or(&shape);
+        let copies = original.map_or(0, |original| parameters.copies_of(original, shape.len()));
+        let of_copies = |of: Original| copies as f64 * parameters.seconds_of_copy(&of.input(), shape.len());
+        course.expect(Stage::Reliability, original.map_or(0.0, of_copies));
+        // A larger body takes longer.
+        let of_bodies = |told: Progress, body: usize| {
+            let elements = |bodies: &[Vec<u32>]| bodies.iter().map(Vec::len).sum::<usize>() as f64;
+            let done = elements(&bodies[..body]) + told.done * elements(&bodies[body..=body]);
+            progress(Progress { done: done / elements(&bodies), ..told })
+        };
 
         let mut searched = Vec::with_capacity(bodies.len());
         for (body, elements) in bodies.iter().enumerate() {
-            let progress = |told| progress(of_bodies(told, body, bodies.len()));
+            let progress = |told| of_bodies(told, body);
             let wanted = spectrum_of_body(&parameters.spectrum, body);
             let Spectrum { basis, report, .. } = spectra(part(body), &wanted, &progress)?;
             let (available, residual) = (basis.eigenvalues().len(), report.residual);
@@ -139,6 +151,7 @@ impl<'a> Detector<'a> {
             let sidedness = Sidedness::default();
             searched.push(Body { elements: elements.clone(), basis, spectrum: report, sidedness });
         }
+        course.end(Stage::Spectrum)?;
         let seconds = clock.lap(Stage::Spectrum);
         tracing::info!(bodies = bodies.len(), seconds, "solved all");
         self.warn_of_spectra(&searched, &mut warnings);
@@ -153,7 +166,7 @@ impl<'a> Detector<'a> {
         }
         let mut sets = Vec::with_capacity(bodies.len());
         for (number, body) in searched.iter().enumerate() {
-            let progress = |told| progress(of_bodies(told, number, bodies.len()));
+            let progress = |told| of_bodies(told, number);
             let own = field.as_ref().map(|field| field.of(&body.elements));
             sets.push(find_regions_with(part(number), &body.basis, own.as_ref(), parameters, &progress)?);
         }
@@ -163,9 +176,8 @@ impl<'a> Detector<'a> {
         let duplicates: usize = sets.iter().map(|set| set.duplicates).sum();
         tracing::info!(regions = count(&sets), trees, duplicates, seconds, "found regions");
 
-        let copies = original.map_or(0, |original| parameters.copies_of(original, shape.len()));
         if let (Some(original), 1..) = (original, copies) {
-            reliability::measure(original, &shape, &searched, &mut sets, parameters, copies, *progress)?;
+            reliability::measure(original, &shape, &searched, &mut sets, parameters, copies, &progress)?;
             let seconds = clock.lap(Stage::Reliability);
             tracing::info!(copies, regions = count(&sets), seconds, "measured reliability");
         } else if original.is_some() && parameters.reliability.deformations != Some(0) {
@@ -174,7 +186,7 @@ impl<'a> Detector<'a> {
 
         let mut found = Vec::with_capacity(bodies.len());
         for (number, (mut set, body)) in sets.into_iter().zip(&mut searched).enumerate() {
-            let progress = |told| progress(of_bodies(told, number, bodies.len()));
+            let progress = |told| of_bodies(told, number);
             let Described { descriptors, sides } =
                 describe_with(part(number), &body.basis, &set.regions, parameters, &progress)?;
             for ((region, twin), side) in set.regions.iter_mut().zip(&sides.twins).zip(&sides.sides) {
@@ -185,6 +197,7 @@ impl<'a> Detector<'a> {
         }
         let Found { regions, descriptors, cosines, trees, duplicates } =
             Found::on_all(&shape, &bodies, found)?;
+        course.end(Stage::Descriptors)?;
         let seconds = clock.lap(Stage::Descriptors);
         tracing::info!(regions = regions.len(), seconds, "described regions");
         let mut features = Features {
@@ -205,9 +218,9 @@ impl<'a> Detector<'a> {
             run: clock.report(),
         };
         if let Some(wanted) = &parameters.parts {
-            report(*progress, Stage::Parts, 0, 1)?;
+            report(&progress, Stage::Parts, 0.0)?;
             let partition = partition(&features, mesh, wanted)?;
-            report(*progress, Stage::Parts, 1, 1)?;
+            course.end(Stage::Parts)?;
             let seconds = clock.lap(Stage::Parts);
             tracing::info!(parts = partition.parts.len(), seconds, "divided into parts");
             features.partition = Some(partition);
@@ -241,12 +254,4 @@ fn spectrum_of_body(parameters: &SpectrumParameters, body: usize) -> SpectrumPar
         range => range,
     };
     SpectrumParameters { eigenpairs, ..parameters.clone() }
-}
-
-/// Progress on one of several bodies as progress on all: a hundred units for each.
-fn of_bodies(told: Progress, body: usize, bodies: usize) -> Progress {
-    match bodies {
-        1 => told,
-        _ => Progress { done: 100 * body + 100 * told.done / told.total.max(1), total: 100 * bodies, ..told },
-    }
 }

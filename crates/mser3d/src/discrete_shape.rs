@@ -3,8 +3,7 @@ use std::sync::Arc;
 use mser3d_laplace::{Operator, cotangent_laplacian, grid_laplacian, mean_curvature};
 use mser3d_shape::{Connectivity, Domain, Graph, TriangleMesh, VoxelGrid};
 use mser3d_spectral::{
-    EigenpairRange, SpectralError, Spectrum, SpectrumParameters, smallest_eigenpairs,
-    smallest_eigenpairs_of_grid,
+    SpectralError, Spectrum, SpectrumParameters, smallest_eigenpairs, smallest_eigenpairs_of_grid,
 };
 use mser3d_voxelize::{Voxelization, VoxelizeParameters};
 
@@ -233,15 +232,7 @@ impl DiscreteShape {
         if length > 0.0 && !(1e-20..=1e20).contains(&length) {
             return Err(Error::Scale { length });
         }
-        let report = |done: usize| {
-            let total = match parameters.eigenpairs {
-                EigenpairRange::Count(count) => count,
-                EigenpairRange::AtMost(most) => most.min(self.len()),
-                // How many there are is known when all are.
-                _ => done,
-            };
-            progress(Progress { stage: Stage::Spectrum, done, total })
-        };
+        let report = |done: f64| progress(Progress { stage: Stage::Spectrum, done, overall: done });
         let spectrum = match &self.elements {
             Elements::Voxels { grid, .. } => smallest_eigenpairs_of_grid(grid, parameters, &report),
             Elements::Vertices { mesh, .. } => {

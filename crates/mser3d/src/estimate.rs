@@ -39,11 +39,13 @@ pub struct StageSeconds {
     pub reliability: f64,
     /// The descriptors.
     pub descriptors: f64,
+    /// The bodies' parts, if they are asked for.
+    pub parts: f64,
 }
 
 impl StageSeconds {
-    fn sum(&self) -> f64 {
-        self.voxelize + self.spectrum + self.regions + self.reliability + self.descriptors
+    pub(crate) fn sum(&self) -> f64 {
+        self.voxelize + self.spectrum + self.regions + self.reliability + self.descriptors + self.parts
     }
 }
 
@@ -61,6 +63,9 @@ const NEAREST: f64 = 0.4e-6;
 
 /// Seconds to find the nearest voxel that a vertex sees, with what tells where the surface is.
 const NEAREST_SEEN: f64 = 3.5e-6;
+
+/// Seconds to divide an element's body into parts, for each element.
+const PARTS: f64 = 2e-6;
 
 impl Parameters {
     /// What a run with these parameters will take on an input, from its size alone: a pass over the mesh.
@@ -96,7 +101,9 @@ impl Parameters {
                 None | Some(0) => 0.0,
                 Some(copies) => copies as f64 * self.seconds_of_copy(input, n),
             },
-            descriptors: elements * samples as f64 * (1.8e-9 + 0.035e-9 * k),
+            // A third of it tells left from right.
+            descriptors: 1.5 * elements * samples as f64 * (1.8e-9 + 0.035e-9 * k),
+            parts: if self.parts.is_some() { PARTS * elements } else { 0.0 },
         };
         let numbers = spectrum.numbers + weight.numbers;
         let search = 8.0 * numbers + 200.0 * elements + 2.0 * in_box;
@@ -112,6 +119,11 @@ impl Parameters {
 
     /// Seconds of work on one core that a deformed copy takes: [`ReliabilityParameters`](crate::ReliabilityParameters).
     pub(crate) fn seconds_of_copy(&self, input: &Input, elements: usize) -> f64 {
+        self.stages_of_copy(input, elements).sum()
+    }
+
+    /// The same for the stages of its search.
+    pub(crate) fn stages_of_copy(&self, input: &Input, elements: usize) -> StageSeconds {
         let elements = elements as f64;
         let all = self.spectrum.eigenpairs.about(input.domain()) as f64;
         let k = if self.weight.has_time_scale() { all.min(COPY_EIGENPAIRS) } else { all };
@@ -131,7 +143,12 @@ impl Parameters {
         };
         // Where each voxel and each vertex is on the copy.
         let places = 1e-6 * elements + NEAREST * solid.vertices;
-        voxels + 0.6 * spectrum + trees * n * 170e-9 + places + weight_work(self, input, n).seconds
+        StageSeconds {
+            voxelize: voxels + places,
+            spectrum: 0.6 * spectrum,
+            regions: trees * n * 170e-9 + weight_work(self, input, n).seconds,
+            ..StageSeconds::default()
+        }
     }
 }
 

@@ -41,6 +41,7 @@
 
 mod bodies;
 mod carry;
+mod course;
 mod describe;
 mod detector;
 mod discrete_shape;
@@ -60,6 +61,7 @@ mod shells;
 mod sides;
 mod sight;
 mod solid;
+mod surface_points;
 mod warning;
 mod weighing;
 mod weight;
@@ -83,6 +85,7 @@ pub use regions::{Region, RegionSet, Tree, find_regions, find_regions_of_field};
 pub use reliability::ReliabilityParameters;
 pub use run_report::{RunReport, StageReport};
 pub use sides::{Sidedness, Sides};
+pub use surface_points::SurfacePoints;
 pub use warning::Warning;
 pub use weight::Weight;
 

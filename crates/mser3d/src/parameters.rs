@@ -116,7 +116,7 @@ pub struct Parameters {
     pub reliability: ReliabilityParameters,
     /// What describes a region. Default: SI-vHKS, the region's size and its side.
     pub descriptor: Descriptor,
-    /// How bodies are divided into parts ([`partition`](crate::partition())). Default: none, they are not.
+    /// How bodies are divided into parts ([`partition`](crate::partition())). Default: into limbs and trunk; none: not at all.
     pub parts: Option<PartParameters>,
 }
 
@@ -135,7 +135,7 @@ impl Default for Parameters {
             pool: PoolParameters::default(),
             reliability: ReliabilityParameters::default(),
             descriptor: Descriptor::default(),
-            parts: None,
+            parts: Some(PartParameters::default()),
         }
     }
 }

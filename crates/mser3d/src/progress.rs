@@ -22,15 +22,15 @@ mser3d_shape::choice! {
 }
 
 /// How far the work is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
     /// The stage under way.
     pub stage: Stage,
-    /// Units of it that are done: eigenpairs, trees, copies, regions. Where several bodies are searched each on its own, a
-    /// hundredth of a body's.
-    pub done: usize,
-    /// Units in all.
-    pub total: usize,
+    /// Share of its work that is done, 0 to 1. Never falls within a stage.
+    pub done: f64,
+    /// Share of all work, 0 to 1: the stages count as much as [`Parameters::estimate`](crate::Parameters::estimate) expects
+    /// them to take. Never falls. Of a stage that is called by itself the same as `done`.
+    pub overall: f64,
 }
 
 /// Called now and then from the working thread, or others; break to cancel.
@@ -39,8 +39,8 @@ pub type ProgressFn<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
 /// Hears nothing and never cancels.
 pub const NO_PROGRESS: ProgressFn<'static> = &|_| ControlFlow::Continue(());
 
-pub(crate) fn report(progress: ProgressFn, stage: Stage, done: usize, total: usize) -> Result<(), Error> {
-    match progress(Progress { stage, done, total }) {
+pub(crate) fn report(progress: ProgressFn, stage: Stage, done: f64) -> Result<(), Error> {
+    match progress(Progress { stage, done, overall: done }) {
         ControlFlow::Continue(()) => Ok(()),
         ControlFlow::Break(()) => Err(Error::Cancelled),
     }

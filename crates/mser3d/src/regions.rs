@@ -83,6 +83,10 @@ pub struct RegionSet {
     pub duplicates: usize,
 }
 
+/// Shares of the work of a time scale: its weights, and its component tree. The rest selects regions.
+const WEIGHED: f64 = 0.4;
+const BUILT: f64 = 0.4;
+
 /// Builds one component tree for each time scale, selects its stable regions, and pools them. The shape is searched as
 /// one body.
 ///
@@ -133,28 +137,28 @@ pub(crate) fn find_regions_with(
     let reference = parameters.reference_measure.unwrap_or(measure);
     let unit_time = reference.powf(2.0 / f64::from(basis.domain().dimension()));
     let weighing = Weighing::new(shape, basis, field, parameters, unit_time)?;
-    let done = Mutex::new(0);
+    let done = Mutex::new(0.0);
     // Locked while it is told, so that progress only rises.
-    let told = |more: usize| {
+    let told = |more: f64| {
         let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
-        *done += more;
-        report(progress, Stage::Regions, *done, scales.len())
+        *done += more / scales.len() as f64;
+        report(progress, Stage::Regions, f64::min(*done, 1.0))
     };
-    told(0)?;
+    told(0.0)?;
     let search = |&time_scale: &Option<TimeScale>| {
         let time = time_scale.map(|scale| scale.with_unit(unit_time)).transpose()?;
         let start = Instant::now();
         let values = weighing.at(time.unwrap_or_default())?;
         let weighed = start.elapsed();
-        told(0)?;
+        told(WEIGHED)?;
         let tree = values.tree(&weighing)?;
-        told(0)?;
+        told(BUILT)?;
         let selection = values.stable_regions(&tree, &parameters.stability)?;
         let searched = start.elapsed() - weighed;
         let report = &selection.report;
         let (nodes, candidates, kept) = (report.nodes, report.candidates, report.kept);
         tracing::debug!(time, nodes, candidates, kept, ?weighed, ?searched, "component tree");
-        told(1)?;
+        told(1.0 - WEIGHED - BUILT)?;
         Ok(Tree { body: 0, time_scale, time, tree, selection })
     };
     let trees = scales.par_iter().map(search).collect::<Result<Vec<_>, Error>>()?;

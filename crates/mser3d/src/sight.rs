@@ -8,7 +8,7 @@ use mser3d_voxelize::Bvh;
 
 use crate::Error;
 use crate::progress::ProgressFn;
-use crate::solid::by_chunks;
+use crate::solid::{PLACED, by_chunks};
 
 /// How far inside the surface lines of sight begin, in voxels.
 const INSIDE: f64 = 1e-3;
@@ -31,19 +31,28 @@ pub(crate) fn seen_from_inside(
     if normals.is_empty() {
         return Ok(voxels);
     }
-    let centres: Vec<[f64; 3]> = grid.voxels().map(|voxel| grid.frame().centre(voxel)).collect();
-    let sight = Sight {
-        centres,
-        surface: Bvh::new(mesh),
-        grid,
-        pitch: grid.frame().spacing().into_iter().fold(0.0, f64::max),
-    };
+    let sight = Sight::new(mesh, grid);
     let vertices: Vec<([f64; 3], [f64; 3], Option<u32>)> =
         (mesh.vertices().iter().zip(normals).zip(voxels)).map(|((p, n), voxel)| (*p, *n, voxel)).collect();
-    let found = by_chunks(&vertices, progress, |&(p, normal, nearest)| {
+    let found = by_chunks(&vertices, PLACED..1.0, progress, |&(p, normal, nearest)| {
         nearest.map(|nearest| sight.voxel(p, normal, nearest))
     })?;
     Ok(carried_along_edges(mesh, found))
+}
+
+/// The same for points of the surface with normals: one that sees no voxel keeps its nearest.
+pub(crate) fn seen_by_points(
+    mesh: &TriangleMesh,
+    grid: &VoxelGrid,
+    points: &[([f64; 3], [f64; 3], Option<u32>)],
+    progress: ProgressFn,
+) -> Result<Vec<Option<u32>>, Error> {
+    let sight = Sight::new(mesh, grid);
+    by_chunks(points, PLACED..1.0, progress, |&(point, normal, nearest)| {
+        nearest.map(|nearest| match sight.voxel(point, normal, nearest) {
+            Place::Seen(voxel) | Place::Hidden(voxel) => voxel,
+        })
+    })
 }
 
 /// Where a vertex belongs.
@@ -62,7 +71,16 @@ struct Sight<'a> {
     pitch: f64,
 }
 
-impl Sight<'_> {
+impl<'a> Sight<'a> {
+    fn new(mesh: &TriangleMesh, grid: &'a VoxelGrid) -> Self {
+        Self {
+            centres: grid.voxels().map(|voxel| grid.frame().centre(voxel)).collect(),
+            surface: Bvh::new(mesh),
+            grid,
+            pitch: grid.frame().spacing().into_iter().fold(0.0, f64::max),
+        }
+    }
+
     /// The nearest voxel that a point of the surface sees from inside; of several, the one with the smallest number.
     fn voxel(&self, point: [f64; 3], normal: [f64; 3], nearest: u32) -> Place {
         let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();

@@ -1,6 +1,8 @@
 //! From a mesh to the solid that is searched, and back to the mesh's vertices.
 
+use std::ops::Range;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use mser3d_shape::{BoundingBox, Domain, NearestVoxels, TriangleMesh, VoxelGrid};
 use mser3d_voxelize::{Voxelization, VoxelizeError, VoxelizeParameters, voxelize_with};
@@ -32,6 +34,11 @@ pub(crate) struct SolidOfMesh {
     pub warnings: Vec<Warning>,
 }
 
+/// Shares of the stage when the solid is filled, and when each vertex has its nearest voxel; the rest sees which of them
+/// are seen.
+const FILLED: f64 = 0.6;
+pub(crate) const PLACED: f64 = 0.7;
+
 impl SolidOfMesh {
     /// The solid of a mesh; without a choice of bodies everything inside, specks too.
     pub fn new(
@@ -55,13 +62,13 @@ impl SolidOfMesh {
         elements: impl FnOnce(&Voxelization, &Parts, &VoxelGrid) -> Result<Vec<Option<u32>>, Error>,
     ) -> Result<Self, Error> {
         let connectivity = parameters.connectivity;
-        let goes_on = || progress(Progress { stage: Stage::Voxelize, done: 0, total: 1 });
+        let goes_on = || progress(Progress { stage: Stage::Voxelize, done: 0.0, overall: 0.0 });
         let everything = VoxelizeParameters { largest_only: false, ..parameters.clone() };
         let whole = voxelize_with(mesh, &everything, &goes_on).map_err(|error| match error {
             VoxelizeError::Cancelled => Error::Cancelled,
             error => error.into(),
         })?;
-        report(progress, Stage::Voxelize, 0, 1)?;
+        report(progress, Stage::Voxelize, FILLED)?;
         let parts = Parts::of_grid(&whole.grid, connectivity, bodies.unwrap_or_default())?;
         let parts = if bodies.is_none() { parts.with_all() } else { parts };
         let (elements, voxelization) = if parts.keeps_all() {
@@ -134,7 +141,7 @@ fn elements_of_vertices(
             None => Place::Speck,
         }
     };
-    let places = by_chunks(mesh.vertices(), progress, place)?;
+    let places = by_chunks(mesh.vertices(), FILLED..PLACED, progress, place)?;
     let (shell_of, count) = shells(mesh)?;
     let mut shells = vec![Shell::default(); count];
     for (((&vertex, area), &place), &shell) in
@@ -146,7 +153,7 @@ fn elements_of_vertices(
     let nearest: NearestVoxels = searched.nearest();
     let placed: Vec<([f64; 3], (Place, u32))> =
         mesh.vertices().iter().copied().zip(places.into_iter().zip(shell_of)).collect();
-    let voxels = by_chunks(&placed, progress, |&(vertex, (place, shell))| match place {
+    let voxels = by_chunks(&placed, PLACED..PLACED, progress, |&(vertex, (place, shell))| match place {
         _ if shells[shell as usize].is_apart(reach) => None,
         Place::Searched(voxel, _) => Some(voxel),
         Place::OtherBody => None,
@@ -191,14 +198,17 @@ impl Shell {
     }
 }
 
-/// A value for each item, in parallel, that can be cancelled.
+/// A value for each item, in parallel, that can be cancelled: from one share of the stage to another.
 pub(crate) fn by_chunks<T: Sync, R: Send>(
     items: &[T],
+    shares: Range<f64>,
     progress: ProgressFn,
     value: impl Fn(&T) -> R + Sync,
 ) -> Result<Vec<R>, Error> {
+    let (done, all) = (AtomicUsize::new(0), items.len() as f64);
     let chunk = |items: &[T]| {
-        report(progress, Stage::Voxelize, 0, 1)?;
+        let before = done.fetch_add(items.len(), Ordering::Relaxed) as f64 / all;
+        report(progress, Stage::Voxelize, shares.start + (shares.end - shares.start) * before)?;
         Ok(items.iter().map(&value).collect::<Vec<R>>())
     };
     let chunks = items.par_chunks(VERTICES).map(chunk).collect::<Result<Vec<Vec<R>>, Error>>()?;

@@ -1,8 +1,9 @@
 use mser3d::comptree::Polarity;
 use mser3d::descriptors::TimeScale;
 use mser3d_viewer::{
-    Colours, Cut, Image, Model, NO_REGION, PageData, PagePart, PageParts, PageRegion, PageShape, PageTree,
-    Panel, RenderOptions, Rgb, Up, View, ViewerError, linked_colours, page, region_colours, render,
+    Colours, Cut, Image, LegendEntry, MISTAKE, Model, NO_REGION, PALETTE, PageData, PagePart, PageParts,
+    PageRegion, PageShape, PageTree, Panel, RenderOptions, Rgb, Up, View, ViewerError, linked_colours, page,
+    region_colours, render, render_with_legend,
 };
 
 use crate::results::traits;
@@ -20,6 +21,25 @@ impl Results {
     /// [`ResultsError::Viewer`].
     pub fn model(&self) -> Result<Model, ResultsError> {
         self.coloured_model(&self.colours())
+    }
+
+    /// The same with the number of each region that has a colour of its own written on it.
+    ///
+    /// # Errors
+    /// [`ResultsError::Viewer`].
+    pub fn numbered_model(&self, colours: &[Rgb]) -> Result<Model, ResultsError> {
+        let number = |r: &RegionRecord| {
+            let mut region = r;
+            // What has the colour of the region around it has its number too.
+            for _ in 0..colours.len() {
+                let same = |p: &u32| colours[*p as usize] == colours[region.id as usize];
+                let Some(parent) = region.parent.filter(same) else { break };
+                region = &self.record.regions[parent as usize];
+            }
+            if colours[region.id as usize] == NO_REGION { String::new() } else { region.id.to_string() }
+        };
+        let numbers = self.record.regions.iter().map(number).collect();
+        Ok(self.coloured_model(colours)?.with_labels(numbers))
     }
 
     /// The same with other colours, such as those of another shape's matched regions.
@@ -55,19 +75,17 @@ impl Results {
     }
 
     /// A plane that opens the shape towards a viewer before it: across an axis (0 to 2), by default
-    /// the shorter horizontal one, leaving a share of the extent, 0 to 1.
-    pub fn cut(&self, axis: Option<usize>, kept: f64, up: Up) -> Option<Cut> {
+    /// the shorter horizontal one, leaving a share of the extent, 0 to 1. `front` is the azimuth of the front ([`Results::front`]).
+    pub fn cut(&self, axis: Option<usize>, kept: f64, up: Up, front: f64) -> Option<Cut> {
         let bounds = self.mesh.bounding_box()?;
-        let depth = match up {
-            Up::Y => 2,
-            Up::Z => 1,
-        };
+        let [right, vertical, toward] = up.axes();
+        let depth = if toward[2] == 0.0 { 1 } else { 2 };
         let extent = bounds.extent();
         let shorter = if extent[0] < extent[depth] { 0 } else { depth };
         let axis = axis.unwrap_or(shorter);
-        // With z up, the front looks along -y.
-        let towards_viewer = up == Up::Y || axis != 1;
-        Some(if towards_viewer {
+        let (sin, cos) = View::THREE_QUARTER.turned(front).azimuth.to_radians().sin_cos();
+        let viewer = cos * toward[axis] + sin * right[axis] + vertical[axis];
+        Some(if viewer >= 0.0 {
             Cut::across(&bounds, axis, kept)
         } else {
             Cut::across(&bounds, axis, 1.0 - kept).flipped()
@@ -81,11 +99,95 @@ impl Results {
     pub fn sheet(&self, options: &RenderOptions) -> Result<Image, ResultsError> {
         let model = self.model()?;
         let mut panels = Panel::around(&model);
-        let cut = self.cut(None, 0.5, options.up).filter(|_| self.grid.is_some());
+        let cut = self.cut(None, 0.5, options.up, 0.0).filter(|_| self.grid.is_some());
         let inside = cut.map(|cut| self.section(&cut)).transpose()?;
         if let Some(model) = &inside {
             panels.push(Panel { model, view: View::THREE_QUARTER, caption: "inside".to_owned() });
         }
+        Ok(render_with_legend(&panels, &self.legend("region"), options)?)
+    }
+
+    /// What the colours of the regions mean: a line for each hue, with the regions' numbers and their share of the volume or area.
+    /// `what` says what they are: regions, or parts.
+    pub fn legend(&self, what: &str) -> Vec<LegendEntry> {
+        let colours = self.colours();
+        let shares = |ids: &[u32]| {
+            let share =
+                |id: &u32| format!("{:.1} %", 100.0 * self.record.regions[*id as usize].volume_fraction);
+            let shares: Vec<String> = ids.iter().map(share).collect();
+            if shares.iter().all(|s| *s == shares[0]) { shares[0].clone() } else { shares.join(", ") }
+        };
+        let text = |ids: &[u32]| {
+            let plural = if ids.len() > 1 { "s" } else { "" };
+            format!("{what}{plural} {}: {}", numbers(ids), shares(ids))
+        };
+        self.legend_of(&colours, text, &format!("in no {what}"))
+    }
+
+    /// A line for each region and its twin that have a colour of their own; the colours' text is that of their numbers.
+    fn legend_of(&self, colours: &[Rgb], text: impl Fn(&[u32]) -> String, rest: &str) -> Vec<LegendEntry> {
+        let regions = &self.record.regions;
+        let own = |r: &RegionRecord| {
+            let colour = colours[r.id as usize];
+            colour != NO_REGION && r.parent.is_none_or(|parent| colours[parent as usize] != colour)
+        };
+        let mut entries: Vec<LegendEntry> = regions
+            .iter()
+            .filter(|r| own(r) && r.twin.is_none_or(|twin| r.id < twin || !own(&regions[twin as usize])))
+            .map(|r| {
+                let ids: Vec<u32> = [Some(r.id), r.twin.filter(|twin| own(&regions[*twin as usize]))]
+                    .into_iter()
+                    .flatten()
+                    .collect();
+                let mut squares: Vec<Rgb> = ids.iter().map(|id| colours[*id as usize]).collect();
+                squares.dedup();
+                LegendEntry { colours: squares, text: text(&ids) }
+            })
+            .collect();
+        let toned = |entry: &LegendEntry| entry.colours.len() > 1;
+        let sides = entries.iter().any(toned);
+        let seen = |label: &i32| usize::try_from(*label).map_or(true, |label| colours[label] == NO_REGION);
+        if self.vertex_region().iter().any(seen) {
+            entries.push(LegendEntry { colours: vec![NO_REGION], text: rest.to_owned() });
+        }
+        if sides {
+            entries.push(LegendEntry {
+                colours: Vec::new(),
+                text: "light and dark: one side and the other".to_owned(),
+            });
+        }
+        entries
+    }
+
+    /// Each region by itself, by falling reliability: in its colour on the grey shape, from before or from behind,
+    /// whichever it faces more.
+    ///
+    /// # Errors
+    /// [`ResultsError::Viewer`].
+    pub fn multiples(&self, options: &RenderOptions) -> Result<Image, ResultsError> {
+        let regions = &self.record.regions;
+        let mut order: Vec<&RegionRecord> = regions.iter().collect();
+        let sure = |r: &RegionRecord| r.reliability.unwrap_or(0.0);
+        order.sort_by(|a, b| sure(b).total_cmp(&sure(a)).then(a.id.cmp(&b.id)));
+        let plain = Model::from_mesh(&self.mesh, Colours::Uniform(NO_REGION))?;
+        let traits = self.traits();
+        let front = self.front(options.up).unwrap_or(0.0);
+        let views = BOTH_SIDES.map(|view| view.turned(front));
+        let mut models = Vec::with_capacity(order.len());
+        for region in &order {
+            let vertices = &self.region_vertices[region.id as usize];
+            let mut labels = vec![-1; self.mesh.vertices().len()];
+            vertices.iter().for_each(|&v| labels[v as usize] = 0);
+            let colour = PALETTE[0].tone(traits[region.id as usize].side);
+            let view = View::facing(&self.mesh, vertices, options.up, &views).unwrap_or(views[0]);
+            let sure = region.reliability.map_or_else(String::new, |sure| format!(", found again {sure:.2}"));
+            let caption = format!("{}: {:.1} %{sure}", region.id, 100.0 * region.volume_fraction);
+            models.push((plain.with_regions(&labels, &[colour])?, view, caption));
+        }
+        let panels: Vec<Panel<'_>> = models
+            .iter()
+            .map(|(model, view, caption)| Panel { model, view: *view, caption: caption.clone() })
+            .collect();
         Ok(render(&panels, options)?)
     }
 
@@ -157,14 +259,30 @@ impl Results {
         options: &RenderOptions,
     ) -> Result<Image, ResultsError> {
         let [first, second] = matched_colours(self, other, matches);
-        let models = [self.coloured_model(&first)?, other.coloured_model(&second)?];
+        let models = [self.numbered_model(&first)?, other.numbered_model(&second)?];
         let names = [self.name(), other.name()];
-        let panels: Vec<Panel<'_>> = BOTH_SIDES
-            .into_iter()
-            .flat_map(|view| models.iter().zip(&names).map(move |(model, name)| (model, name, view)))
-            .map(|(model, name, view)| Panel { model, view, caption: name.clone() })
-            .collect();
-        Ok(render(&panels, options)?)
+        let fronts = [self, other].map(|results| results.front(options.up).unwrap_or(0.0));
+        let panel = |view: View, shape: usize| Panel {
+            model: &models[shape],
+            view: view.turned(fronts[shape]),
+            caption: names[shape].clone(),
+        };
+        let panels: Vec<Panel<'_>> =
+            BOTH_SIDES.into_iter().flat_map(|view| [panel(view, 0), panel(view, 1)]).collect();
+        let partner_of = |ids: &[u32]| {
+            let partners =
+                ids.iter().filter_map(|id| matches.iter().find(|m| m.first == *id).map(|m| m.second));
+            format!("{} - {}", numbers(ids), numbers(&partners.collect::<Vec<_>>()))
+        };
+        let title = format!("regions of {} - {}:", self.name(), other.name());
+        let mut legend = vec![LegendEntry { colours: Vec::new(), text: title }];
+        legend.extend(self.legend_of(&first, partner_of, "not matched"));
+        let mistakes: Vec<u32> = matches.iter().filter(|m| m.mistake).map(|m| m.second).collect();
+        if !mistakes.is_empty() {
+            let text = format!("matched wrongly: {}", numbers(&mistakes));
+            legend.push(LegendEntry { colours: vec![MISTAKE], text });
+        }
+        Ok(render_with_legend(&panels, &legend, options)?)
     }
 
     /// These results as one shape of a page.
@@ -257,6 +375,10 @@ impl Results {
     }
 }
 
+fn numbers(ids: &[u32]) -> String {
+    ids.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")
+}
+
 fn tree_name(scale: Option<TimeScale>) -> String {
     match scale {
         Some(TimeScale::Relative(t)) => format!("t_rel = {t}"),
@@ -266,7 +388,8 @@ fn tree_name(scale: Option<TimeScale>) -> String {
 }
 
 /// The colours of two matched shapes: matched regions have the same, twins one hue, and the tone says on which side of the first
-/// shape they are, or of the second where the first has no sides. What is not matched is [`NO_REGION`].
+/// shape they are, or of the second where the first has no sides. What is not matched is [`NO_REGION`], and what is
+/// matched wrongly is [`MISTAKE`] on the second shape.
 pub fn matched_colours(first: &Results, second: &Results, matches: &[RegionPair]) -> [Vec<Rgb>; 2] {
     let pairs: Vec<[u32; 2]> = matches.iter().map(|m| [m.first, m.second]).collect();
     let mut traits = first.traits();
@@ -283,7 +406,12 @@ pub fn matched_colours(first: &Results, second: &Results, matches: &[RegionPair]
         }
     }
     let colours = region_colours(&traits, &first.vertex_region(), &first.mesh.edge_graph());
-    let others = linked_colours(&colours, &pairs, second.record.regions.len());
+    let mut others = linked_colours(&colours, &pairs, second.record.regions.len());
+    for pair in matches.iter().filter(|pair| pair.mistake) {
+        if let Some(colour) = others.get_mut(pair.second as usize) {
+            *colour = MISTAKE;
+        }
+    }
     [colours, others]
 }
 

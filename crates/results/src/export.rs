@@ -9,6 +9,9 @@ use crate::label_map::LabelMap;
 use crate::landmarks::write_landmarks;
 use crate::{Results, ResultsError};
 
+/// How the names of files that [`Results::export`] writes end.
+pub const EXPORT_ENDINGS: [&str; 7] = [".glb", ".ply", ".vtp", ".vti", ".nii.gz", ".nii", ".mrk.json"];
+
 impl Results {
     /// Writes one file for other programs; its name's ending says which kind:
     ///
@@ -60,7 +63,7 @@ impl Results {
             }
             _ => {
                 return Err(refuse(
-                    "no such format; end the name in .glb, .ply, .vtp, .vti, .nii.gz or .mrk.json",
+                    "no such format; end the name in .glb, .ply, .vtp, .vti, .nii.gz, .nii or .mrk.json",
                 ));
             }
         }

@@ -66,6 +66,7 @@ mod error;
 mod export;
 mod field_file;
 mod folder;
+mod front;
 mod inspect;
 mod label_map;
 mod landmarks;
@@ -77,12 +78,14 @@ mod record;
 mod results;
 mod shape_file;
 mod sides;
+mod tracks;
 mod volume_file;
 mod write;
 
 pub use draw::{RegionPair, matched_colours};
 pub use eigenfunctions::Eigenfunctions;
 pub use error::ResultsError;
+pub use export::EXPORT_ENDINGS;
 pub use field_file::{FieldFile, FieldRecord};
 pub use folder::ResultsFolder;
 pub use inspect::{Inspection, ValuesRecord};
@@ -97,6 +100,7 @@ pub use record::{
 pub use results::{Results, TreeArrays};
 pub use shape_file::{Contents, ShapeFile, ShapeOptions};
 pub use sides::{left_and_right, side_text, sidedness_certainty, sidedness_kind};
+pub use tracks::{Identity, Sighting, Track, TrackParameters, TrackedFrame, TracksRecord};
 pub use volume_file::{BodyRecord, SolidVolume, VolumeFile, VolumeRecord};
 pub use write::Extra;
 

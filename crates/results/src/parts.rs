@@ -29,10 +29,19 @@ impl Results {
     }
 }
 
+/// The mirror image of a part: one that is alone; of several, that of the twin of the region it is like.
+pub(crate) fn twin_of(part: &PartRecord, parts: &[PartRecord], regions: &[RegionRecord]) -> Option<u32> {
+    if let [twin] = part.twins[..] {
+        return Some(twin);
+    }
+    let region_twin = regions.get(part.region? as usize)?.twin?;
+    let of_twin = |twin: &&u32| parts.get(**twin as usize).is_some_and(|p| p.region == Some(region_twin));
+    part.twins.iter().find(of_twin).copied()
+}
+
 /// A part as far as it is like a region. Its side is that of the region it is like.
 fn as_region(part: &PartRecord, parts: &[PartRecord], regions: &[RegionRecord]) -> RegionRecord {
     let region = part.region.and_then(|region| regions.get(region as usize));
-    let region_twin = region.and_then(|region| region.twin);
     RegionRecord {
         id: part.id,
         parent: None,
@@ -42,15 +51,7 @@ fn as_region(part: &PartRecord, parts: &[PartRecord], regions: &[RegionRecord]) 
         stability: f64::NAN,
         reliability: None,
         lifetime: None,
-        // One alone is the mirror image; of several, that of the region's twin.
-        twin: match part.twins[..] {
-            [twin] => Some(twin),
-            _ => {
-                let is_twin =
-                    |twin: &&u32| parts.get(**twin as usize).is_some_and(|p| p.region == region_twin);
-                region_twin.and_then(|_| part.twins.iter().find(is_twin).copied())
-            }
-        },
+        twin: twin_of(part, parts, regions),
         side: region.and_then(|region| region.side),
         volume: part.volume,
         volume_fraction: part.volume_fraction,
@@ -59,6 +60,8 @@ fn as_region(part: &PartRecord, parts: &[PartRecord], regions: &[RegionRecord]) 
         centroid: part.centroid,
         tip: part.centroid,
         oriented_box: part.oriented_box,
+        track: None,
+        colour: None,
     }
 }
 

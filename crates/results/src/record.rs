@@ -196,6 +196,12 @@ pub struct RegionRecord {
     pub tip: [f64; 3],
     /// The smallest box around it along its principal axes.
     pub oriented_box: OrientedBox,
+    /// Its identity in a sequence, the id of a track of `tracks.json`; not written where it is of none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub track: Option<u32>,
+    /// Its colour in all pictures, red, green and blue from 0 to 255: that of its track. Not written where pictures choose.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub colour: Option<[u8; 3]>,
 }
 
 /// A part.
@@ -269,6 +275,8 @@ impl Record {
             centroid: r.centroid,
             tip: tip(features, r),
             oriented_box: OrientedBox::around(&r.elements, positions, &mass, half_edges),
+            track: None,
+            colour: None,
         });
         let part = |(id, p): (u32, &Part)| PartRecord {
             id,
@@ -430,6 +438,8 @@ mod tests {
             centroid: [0.1, 0.2, 0.3],
             tip: [0.0; 3],
             oriented_box: OrientedBox::default(),
+            track: None,
+            colour: None,
         };
         for stability in [2.5, f64::INFINITY, f64::NAN] {
             let text = serde_json::to_string(&RegionRecord { stability, ..region.clone() }).unwrap();

@@ -178,8 +178,14 @@ impl Results {
     }
 
     /// The colour of each region, in all pictures of these results ([`region_colours`]): a hue for each region and its twin,
-    /// a tone for each side. Where hues run out, small regions have the colour of those around them.
+    /// a tone for each side. Where hues run out, small regions have the colour of those around them. The regions of a frame of a
+    /// sequence have the colours of their tracks.
     pub fn colours(&self) -> Vec<Rgb> {
+        let regions = &self.record.regions;
+        let own: Option<Vec<Rgb>> = regions.iter().map(|region| region.colour.map(Rgb)).collect();
+        if let (Some(own), false) = (own, regions.is_empty()) {
+            return own;
+        }
         region_colours(&self.traits(), &self.vertex_region(), &self.mesh.edge_graph())
     }
 

@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use mser3d_fileio::{NpyArray, write_npz, write_text};
+use mser3d_fileio::{NpyArray, Writing, write_npz, write_text};
 use mser3d_shape::Choice;
 
 use crate::eigenfunctions::write_eigenfunctions;
@@ -45,6 +45,26 @@ impl Results {
     /// the file.
     pub fn write(&self, folder: &Path) -> Result<(), ResultsError> {
         ResultsFolder::create(folder)?.write(self, &[])
+    }
+
+    /// Writes `regions.json` and `surface.ply` of a folder that holds these results anew, for changes of the record that
+    /// concern no other file: the regions' tracks and colours.
+    ///
+    /// # Errors
+    /// [`ResultsError::Io`], [`ResultsError::File`] or [`ResultsError::Mesh`], naming the file.
+    pub fn write_colours(&self, folder: &Path) -> Result<(), ResultsError> {
+        let _whole = Writing::begin();
+        if !self.mesh_of_voxels {
+            self.export(&folder.join("surface.ply"))?;
+        }
+        self.write_record(folder)
+    }
+
+    fn write_record(&self, folder: &Path) -> Result<(), ResultsError> {
+        let path = folder.join("regions.json");
+        let json = self.record.to_json();
+        let json = json.map_err(|error| ResultsError::Io { path: path.clone(), error: error.into() })?;
+        Ok(write_text(&path, &json)?)
     }
 
     pub(crate) fn write_files(&self, folder: &Path, extras: &[Extra]) -> Result<(), ResultsError> {
@@ -119,10 +139,7 @@ impl Results {
                 _ => drop(self.export(&path)?),
             }
         }
-        let path = folder.join("regions.json");
-        let json = self.record.to_json();
-        let json = json.map_err(|error| ResultsError::Io { path: path.clone(), error: error.into() })?;
-        Ok(write_text(&path, &json)?)
+        self.write_record(folder)
     }
 
     fn tree_arrays(&self) -> impl Iterator<Item = (String, NpyArray<'_>)> {

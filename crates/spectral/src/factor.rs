@@ -22,6 +22,11 @@ impl<'a> Factor<'a> {
     }
 
     /// Eigenvalues below the shift: by Sylvester's law of inertia, as many as D has negative entries.
+    /// Numbers in it.
+    pub fn len(&self) -> usize {
+        self.values.len()
+    }
+
     pub fn negative_pivots(&self) -> usize {
         let count = |node: Supernode<'_>| (0..node.width).filter(|&j| node.entry(j, j) < 0.0).count();
         self.supernodes().map(count).sum()

@@ -46,6 +46,14 @@ const LARGEST_RESIDUAL: f64 = 1e-7;
 /// Columns of the basis for each wanted pair; the iteration usually ends before it is full.
 const COLUMNS_PER_PAIR: f64 = 2.5;
 
+/// What a step of the polynomial costs over a scalar product of two vectors.
+const UPDATE: f64 = 0.4;
+/// Shares of the work at which the iteration begins, after the coarse operator, and ends, before the eigenvalues are taken; and
+/// at which smoothing begins, by one polynomial and by the other. Measured on a figure of 10,000 to 200,000 voxels.
+const BEGIN: f64 = 0.05;
+const END: f64 = 0.8;
+const SMOOTHED: [f64; 2] = [0.85, 0.95];
+
 /// Converged eigenpairs of the standard problem without its null space.
 pub(crate) struct Filtered {
     /// Ascending.
@@ -81,7 +89,7 @@ pub(crate) fn filtered_eigenpairs(
     grid: &VoxelGrid,
     pairs: usize,
     parameters: &SpectrumParameters,
-    progress: &(dyn Fn(usize) -> ControlFlow<()> + Sync),
+    progress: &(dyn Fn(f64) -> ControlFlow<()> + Sync),
 ) -> Result<Filtered, SpectralError> {
     let stencil = SlicedStencil::new(grid);
     let n = stencil.len();
@@ -90,13 +98,14 @@ pub(crate) fn filtered_eigenpairs(
     let zeros = null_space.len().min(pairs);
     let wanted = pairs - zeros;
     let capacity = basis_columns(wanted).min((n - null_space.len()) / BLOCK * BLOCK);
-    let lanczos = Lanczos {
+    let mut lanczos = Lanczos {
         rows: n,
         block: BLOCK,
         wanted,
         negative: 0,
         capacity,
         check_from: 5 * wanted / 4,
+        operator_cost: 0.0,
         overlap: 1e-8,
         max_restarts: parameters.max_iterations,
         null_space: &null_space,
@@ -109,11 +118,13 @@ pub(crate) fn filtered_eigenpairs(
     let cancelled = AtomicBool::new(false);
     loop {
         let filter = Filter::new(&stencil, cutoff, &cancelled);
-        let report = |converged: usize| {
-            let go_on = progress(zeros + converged).is_continue();
+        lanczos.operator_cost = UPDATE * filter.polynomial.degree as f64;
+        let tell = |share: f64| {
+            let go_on = progress(share).is_continue();
             cancelled.store(!go_on, Ordering::Relaxed);
             go_on
         };
+        let report = |share: f64| tell(BEGIN + (END - BEGIN) * share);
         let accept =
             |theta: f64, residual: f64| filter.accepts(theta, residual, margin * parameters.tolerance);
         let ritz = lanczos.run(|x| filter.apply(x, &mut work, &report), accept, report)?;
@@ -138,7 +149,8 @@ pub(crate) fn filtered_eigenpairs(
         // eigenvalue: the rest of the last columns, and the rounding errors of hundreds. A polynomial of a
         // quarter of the degree smooths nearly all of it away; if that isn't enough, p does.
         let smoother = Filter::new(&stencil, (16.0 * cutoff).min(0.5 * stencil.bound()), &cancelled);
-        for filter in [&smoother, &filter] {
+        for (filter, share) in [&smoother, &filter].into_iter().zip(SMOOTHED) {
+            tell(share);
             let again = weak(&values, &residuals);
             if again.is_empty() {
                 break;
@@ -226,7 +238,7 @@ impl<'a> Filter<'a> {
     }
 
     /// `x = p(A) x`, all threads on one block after the other.
-    fn apply(&self, x: &mut BlockMatrix, work: &mut Block, report: &(dyn Fn(usize) -> bool + Sync)) {
+    fn apply(&self, x: &mut BlockMatrix, work: &mut Block, report: &(dyn Fn(f64) -> bool + Sync)) {
         for block in x.blocks_mut() {
             work.resize(block.len(), Lanes::ZERO);
             self.polynomial.apply(
@@ -236,7 +248,7 @@ impl<'a> Filter<'a> {
                 block,
                 work,
                 &|| {
-                    report(0);
+                    report(0.0);
                     self.cancelled.load(Ordering::Relaxed)
                 },
             );

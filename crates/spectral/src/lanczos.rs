@@ -11,7 +11,11 @@ use crate::SpectralError;
 use crate::block_matrix::BlockMatrix;
 use crate::lanczos_basis::Basis;
 use crate::null_space::NullSpace;
+use crate::progress::foreseen;
 use crate::small_dense::small_eigen;
+
+/// What a product of the basis with a matrix costs for each column, over a scalar product.
+const COMBINE: f64 = 0.1;
 
 /// What the iteration needs to know.
 pub(crate) struct Lanczos<'a> {
@@ -27,6 +31,8 @@ pub(crate) struct Lanczos<'a> {
     pub capacity: usize,
     /// With this many columns convergence is tested for the first time, unless the basis is full before.
     pub check_from: usize,
+    /// What applying the operator to a vector costs, over a scalar product of two vectors: for the sake of progress.
+    pub operator_cost: f64,
     /// Overlap that blocks of the basis may keep with each other for a while. Up to 1e-8 the projected matrix
     /// is as exact as with none (semiorthogonality, Simon 1984); Ritz vectors of values far smaller than the
     /// norm need less.
@@ -48,12 +54,13 @@ pub(crate) struct RitzPairs {
 
 impl Lanczos<'_> {
     /// Runs until the first `wanted` pairs satisfy `accept(value, residual)`, or the restarts are used
-    /// up. `apply(x)` replaces x by the operator times x. `progress(converged)` returns false to cancel.
+    /// up. `apply(x)` replaces x by the operator times x. `progress(share)` hears how
+    /// much of the work is done, and returns false to cancel.
     pub fn run(
         &self,
         mut apply: impl FnMut(&mut BlockMatrix),
         accept: impl Fn(f64, f64) -> bool,
-        mut progress: impl FnMut(usize) -> bool,
+        mut progress: impl FnMut(f64) -> bool,
     ) -> Result<RitzPairs, SpectralError> {
         let block = self.block;
         let mut basis = Basis::new(self.rows, block, self.capacity + block, self.overlap, self.null_space)?;
@@ -62,13 +69,16 @@ impl Lanczos<'_> {
         let mut filled = 0;
         // First column that the next image may have a large part along: all of them after a restart.
         let mut coupled = 0;
-        let (mut applications, mut restarts, mut converged) = (0, 0, 0);
+        let (mut applications, mut restarts) = (0, 0);
+        // Scalar products, and the columns at which the iteration is expected to end.
+        let (mut done, mut columns) = (0.0, self.check_from.min(self.capacity));
         let mut next_check = self.check_from;
         loop {
             let mut image = basis.last_block();
             apply(&mut image);
             applications += block;
-            if !progress(converged) {
+            done += (block * filled) as f64 + block as f64 * self.operator_cost;
+            if !progress(foreseen(done, self.work_of(columns))) {
                 return Err(SpectralError::Cancelled);
             }
             self.null_space.project_out(&mut image);
@@ -92,11 +102,12 @@ impl Lanczos<'_> {
             let ritz = Ritz::new(&projected, filled, &coupling, self.negative)?;
             let wanted = self.wanted.min(filled);
             let good = |at: &usize| accept(ritz.values[*at], ritz.residuals[*at]);
-            converged = (0..wanted).filter(good).count();
-            if !progress(converged) {
+            let converged = (0..wanted).filter(good).count();
+            if !progress(foreseen(done, self.work_of(columns))) {
                 return Err(SpectralError::Cancelled);
             }
             next_check = filled + self.columns_to_next_check(filled, converged);
+            columns = columns.max(next_check);
             let last = converged == self.wanted || full && restarts == self.max_restarts;
             if !last && !full {
                 continue;
@@ -104,6 +115,9 @@ impl Lanczos<'_> {
             // Keep the wanted ones and half of the rest: what is thrown away must be found again.
             let keep = if last { wanted } else { (wanted + filled) / 2 / block * block };
             basis.combine(ritz.vectors.subcols(0, keep));
+            if last && !progress(1.0) {
+                return Err(SpectralError::Cancelled);
+            }
             let values = ritz.values[..keep].to_vec();
             if last {
                 return Ok(RitzPairs { values, vectors: basis.into_columns(), restarts, applications });
@@ -115,6 +129,12 @@ impl Lanczos<'_> {
             (filled, coupled) = (keep, 0);
             restarts += 1;
         }
+    }
+
+    /// Scalar products until the basis has so many columns, and its vectors are combined.
+    fn work_of(&self, columns: usize) -> f64 {
+        let columns = columns as f64;
+        columns * self.operator_cost + 0.5 * columns * columns + COMBINE * columns * self.wanted as f64
     }
 
     /// Each column brings at most one pair and a half. Where looking costs little beside streaming the basis,

@@ -1,46 +1,74 @@
 //! What the caller is told while components are solved.
 
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::{SpectralError, Spectrum};
+
+/// The most that is told before all is done.
+const ALMOST: f64 = 0.999;
+/// Up to this share the work goes on as foreseen; from here on more may be needed than was.
+const FORESEEN: f64 = 0.9;
+
+/// The share of the work that is done. Past nine tenths of what is expected it rises ever more slowly, without a jump, and
+/// never reaches 1.
+pub(crate) fn foreseen(done: f64, expected: f64) -> f64 {
+    let share = done / expected.max(f64::MIN_POSITIVE);
+    if share <= FORESEEN {
+        share
+    } else {
+        1.0 - (1.0 - FORESEEN) * (-(share - FORESEEN) / (1.0 - FORESEEN)).exp()
+    }
+}
 
 /// Progress that never goes back, over components that are solved one after the other, and repeated
 /// iterations.
 pub(crate) struct Heard<'a> {
-    progress: &'a (dyn Fn(usize) -> ControlFlow<()> + Sync),
-    wanted: usize,
-    /// Eigenpairs of the components solved before.
-    before: AtomicUsize,
-    /// The largest number told so far.
-    most: AtomicUsize,
+    progress: &'a (dyn Fn(f64) -> ControlFlow<()> + Sync),
+    /// Share of the components solved before, as bits: of positive numbers they have the same order.
+    before: AtomicU64,
+    /// The largest share told so far, as bits.
+    most: AtomicU64,
 }
 
 impl<'a> Heard<'a> {
-    pub fn new(wanted: usize, progress: &'a (dyn Fn(usize) -> ControlFlow<()> + Sync)) -> Self {
-        Self { progress, wanted, before: AtomicUsize::new(0), most: AtomicUsize::new(0) }
+    pub fn new(progress: &'a (dyn Fn(f64) -> ControlFlow<()> + Sync)) -> Self {
+        Self { progress, before: AtomicU64::new(0), most: AtomicU64::new(0) }
     }
 
-    /// Solves for `count` eigenpairs of the next component.
+    /// Solves the next component, which is this share of all work.
     pub fn next(
         &self,
-        count: usize,
-        solve: impl FnOnce(&(dyn Fn(usize) -> ControlFlow<()> + Sync)) -> Result<Spectrum, SpectralError>,
+        part: f64,
+        solve: impl FnOnce(&(dyn Fn(f64) -> ControlFlow<()> + Sync)) -> Result<Spectrum, SpectralError>,
     ) -> Result<Spectrum, SpectralError> {
-        let before = self.before.load(Ordering::Relaxed);
-        let spectrum = solve(&|converged| {
-            let all = (before + converged).min(self.wanted);
-            (self.progress)(self.most.fetch_max(all, Ordering::Relaxed).max(all))
+        let before = f64::from_bits(self.before.load(Ordering::Relaxed));
+        let spectrum = solve(&|share| {
+            let all = (before + part * share).clamp(0.0, ALMOST).to_bits();
+            (self.progress)(f64::from_bits(self.most.fetch_max(all, Ordering::Relaxed).max(all)))
         })?;
-        self.before.fetch_add(count, Ordering::Relaxed);
+        self.before.store((before + part).to_bits(), Ordering::Relaxed);
         Ok(spectrum)
     }
 
     /// Tells that all are found, if they are.
     pub fn end(&self, spectrum: Result<Spectrum, SpectralError>) -> Result<Spectrum, SpectralError> {
-        if spectrum.is_ok() && (self.progress)(self.wanted).is_break() {
+        if spectrum.is_ok() && (self.progress)(1.0).is_break() {
             return Err(SpectralError::Cancelled);
         }
         spectrum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::foreseen;
+
+    #[test]
+    fn what_takes_longer_than_foreseen_slows_down_and_never_ends() {
+        assert_eq!(foreseen(3.0, 4.0), 0.75);
+        let shares: Vec<f64> = (0..40).map(|i| foreseen(f64::from(i), 20.0)).collect();
+        assert!(shares.windows(2).all(|w| w[0] < w[1] && w[1] - w[0] < 0.0501));
+        assert!(shares[20] > 0.95 && shares[39] < 1.0);
     }
 }

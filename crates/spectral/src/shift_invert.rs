@@ -35,6 +35,13 @@ const SHARES: std::ops::RangeInclusive<f64> = 0.4..=0.66;
 /// the norm thousands of times larger than the smallest Ritz values.
 const OVERLAP: f64 = 1e-11;
 
+/// What a solve costs for each number of the factor in a row, over a scalar product of two vectors.
+const SOLVE: f64 = 2.0;
+/// Shares of the work at which the factorizations, the iteration and the search for copies end.
+const FACTORED: f64 = 0.15;
+const ITERATED: f64 = 0.85;
+const CHECKED: f64 = 0.95;
+
 /// What to find.
 pub(crate) struct Task {
     /// Non-zero eigenpairs.
@@ -48,12 +55,12 @@ pub(crate) fn basis_columns(wanted: usize) -> usize {
     (5 * wanted / 2 + 64) / BLOCK * BLOCK
 }
 
-/// The smallest non-zero eigenpairs. `progress(converged)` returns false to cancel.
+/// The smallest non-zero eigenpairs. `progress(share)` returns false to cancel.
 pub(crate) fn inverse_eigenpairs(
     problem: &StandardProblem,
     elimination: &Elimination<'_>,
     task: &Task,
-    progress: &dyn Fn(usize) -> bool,
+    progress: &dyn Fn(f64) -> bool,
 ) -> Result<Pairs, SpectralError> {
     if let Some(inverse) = Inverse::among_wanted(problem, elimination, task.wanted) {
         // If more restarts are needed, something is wrong with the shift.
@@ -129,16 +136,19 @@ impl<'a> Inverse<'a> {
     }
 
     /// The smallest eigenpairs, with all copies of multiple ones.
-    fn eigenpairs(&self, task: &Task, progress: &dyn Fn(usize) -> bool) -> Result<Pairs, SpectralError> {
+    fn eigenpairs(&self, task: &Task, progress: &dyn Fn(f64) -> bool) -> Result<Pairs, SpectralError> {
         let problem = self.problem;
-        let found = self.iterate(&problem.null_space, task, self.below, f64::INFINITY, progress)?;
+        let within = |from: f64, to: f64| move |share: f64| progress(from + (to - from) * share);
+        let first = within(FACTORED, ITERATED);
+        let found = self.iterate(&problem.null_space, task, self.below, f64::INFINITY, &first)?;
         let (mut restarts, mut applications) = (found.restarts, found.applications);
         let below = found.values.iter().filter(|&&value| value < self.sigma).count();
         let (values, vectors) = add_missed_copies(found.values, found.vectors, BLOCK, |known, last| {
             let rest = problem.len() - problem.null_space.len() - known.blocks().len() * LANES;
             let task = Task { wanted: BLOCK.min(rest), ..*task };
             let left = self.below.saturating_sub(below).min(task.wanted);
-            let others = self.iterate(&problem.null_space.and(known), &task, left, last, progress)?;
+            let again = within(ITERATED, CHECKED);
+            let others = self.iterate(&problem.null_space.and(known), &task, left, last, &again)?;
             restarts += others.restarts;
             applications += others.applications;
             Ok((others.values, others.vectors))
@@ -172,9 +182,8 @@ impl<'a> Inverse<'a> {
         task: &Task,
         below: usize,
         enough: f64,
-        progress: &dyn Fn(usize) -> bool,
+        progress: &dyn Fn(f64) -> bool,
     ) -> Result<RitzPairs, SpectralError> {
-        let zeros = null_space.len();
         let Task { wanted, tolerance, max_restarts } = *task;
         let lanczos = Lanczos {
             rows: null_space.rows(),
@@ -183,6 +192,7 @@ impl<'a> Inverse<'a> {
             block: BLOCK,
             capacity: basis_columns(wanted),
             check_from: 4 * wanted / 3 + 64,
+            operator_cost: SOLVE * (self.factor.len() as f64 / null_space.rows() as f64),
             overlap: OVERLAP,
             max_restarts,
             null_space,
@@ -194,7 +204,7 @@ impl<'a> Inverse<'a> {
             residual <= theta.abs() * (0.9 * tolerance * relative).max(1e-14)
                 || theta > 0.0 && self.eigenvalue(theta + residual) > enough
         };
-        let mut ritz = lanczos.run(|x| self.apply(x), accept, |n| progress(zeros + n))?;
+        let mut ritz = lanczos.run(|x| self.apply(x), accept, progress)?;
         // Lanczos leaves its residual, and the rounding errors of hundreds of columns, in directions that A
         // multiplies. The inverse makes them small. Residuals of Ritz vectors are orthogonal to all of them,
         // so this changes their scalar products only by the square of the residuals.

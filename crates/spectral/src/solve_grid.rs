@@ -47,26 +47,27 @@ use crate::{
 pub fn smallest_eigenpairs_of_grid(
     grid: &VoxelGrid,
     parameters: &SpectrumParameters,
-    progress: &(dyn Fn(usize) -> ControlFlow<()> + Sync),
+    progress: &(dyn Fn(f64) -> ControlFlow<()> + Sync),
 ) -> Result<Spectrum, SpectralError> {
     parameters.validate()?;
     let n = grid.len();
     let cell = grid.frame().voxel_volume();
     check_size(cell, grid.frame().spacing().iter().map(|h| 1.0 / (h * h)).sum())?;
     let bodies = members(&grid.components(), |_| true);
+    let heard = Heard::new(progress);
     let solve = |k: usize| {
-        let heard = Heard::new(k, progress);
-        let spectrum = if bodies.len() > 1 {
+        if bodies.len() > 1 {
             merge(Domain::Volume, &vec![cell; n], &bodies, k, |body, count| {
                 let part = grid.restrict(|v| bodies[body].binary_search(&v).is_ok());
-                heard.next(count, |progress| connected_grid_eigenpairs(&part, count, parameters, progress))
+                heard.next(bodies[body].len() as f64 / n as f64, |progress| {
+                    connected_grid_eigenpairs(&part, count, parameters, progress)
+                })
             })
         } else {
-            heard.next(k, |progress| connected_grid_eigenpairs(grid, k, parameters, progress))
-        };
-        heard.end(spectrum)
+            heard.next(1.0, |progress| connected_grid_eigenpairs(grid, k, parameters, progress))
+        }
     };
-    match parameters.eigenpairs {
+    let spectrum = match parameters.eigenpairs {
         EigenpairRange::Count(k) if k > n => {
             Err(SpectralError::TooManyEigenpairs { requested: k, available: n })
         }
@@ -83,7 +84,8 @@ pub fn smallest_eigenpairs_of_grid(
             let count = count_below(&operator, bound, parameters.memory_limit)?;
             all_below(bound, count + count / 10 + 4, n, solve)
         }
-    }
+    };
+    heard.end(spectrum)
 }
 
 /// As [`smallest_eigenpairs_of_grid`], of a grid with one component.
@@ -91,7 +93,7 @@ fn connected_grid_eigenpairs(
     grid: &VoxelGrid,
     k: usize,
     parameters: &SpectrumParameters,
-    progress: &(dyn Fn(usize) -> ControlFlow<()> + Sync),
+    progress: &(dyn Fn(f64) -> ControlFlow<()> + Sync),
 ) -> Result<Spectrum, SpectralError> {
     let n = grid.len();
     let filter = match parameters.solver {

@@ -27,8 +27,8 @@ const DENSE_ROWS: usize = 400;
 /// A component whose rows of W sum to zero (a Neumann boundary, a closed surface) has the constant as its
 /// exact zero mode. On any other (a Dirichlet boundary, a potential) all eigenpairs are computed.
 ///
-/// `progress` is called now and then with the number of converged eigenpairs, at the end with that of all. It
-/// cancels the work by returning `Break`.
+/// `progress` is called now and then with the share of the work that is done, as far as that can be foreseen: it never
+/// falls, and is 1 at the end. It cancels the work by returning `Break`.
 ///
 /// Cost of k eigenpairs of n rows: a few sparse factorizations, about 3 k solves, and `O(n k^2)` for
 /// orthogonality.
@@ -39,24 +39,25 @@ const DENSE_ROWS: usize = 400;
 pub fn smallest_eigenpairs(
     operator: &Operator,
     parameters: &SpectrumParameters,
-    progress: &(dyn Fn(usize) -> ControlFlow<()> + Sync),
+    progress: &(dyn Fn(f64) -> ControlFlow<()> + Sync),
 ) -> Result<Spectrum, SpectralError> {
     parameters.validate()?;
     let bodies = members(&operator.components(), |row| operator.mass()[row] > 0.0);
     let available = bodies.iter().map(Vec::len).sum();
+    let heard = Heard::new(progress);
     let solve = |k: usize| {
-        let heard = Heard::new(k, progress);
-        let spectrum = if bodies.len() > 1 {
+        if bodies.len() > 1 {
             merge(operator.domain(), operator.mass(), &bodies, k, |body, count| {
                 let part = operator.restrict(&bodies[body]);
-                heard.next(count, |progress| connected_eigenpairs(&part, count, parameters, progress))
+                heard.next(bodies[body].len() as f64 / available as f64, |progress| {
+                    connected_eigenpairs(&part, count, parameters, progress)
+                })
             })
         } else {
-            heard.next(k, |progress| connected_eigenpairs(operator, k, parameters, progress))
-        };
-        heard.end(spectrum)
+            heard.next(1.0, |progress| connected_eigenpairs(operator, k, parameters, progress))
+        }
     };
-    match parameters.eigenpairs {
+    let spectrum = match parameters.eigenpairs {
         EigenpairRange::Count(k) if k > available => {
             Err(SpectralError::TooManyEigenpairs { requested: k, available })
         }
@@ -73,7 +74,8 @@ pub fn smallest_eigenpairs(
             let count = count_below(operator, bound, parameters.memory_limit)? + 1;
             all_below(bound, count, available, solve)
         }
-    }
+    };
+    heard.end(spectrum)
 }
 
 /// As [`smallest_eigenpairs`], of an operator with one component.
@@ -81,7 +83,7 @@ pub(crate) fn connected_eigenpairs(
     operator: &Operator,
     k: usize,
     parameters: &SpectrumParameters,
-    progress: &(dyn Fn(usize) -> ControlFlow<()> + Sync),
+    progress: &(dyn Fn(f64) -> ControlFlow<()> + Sync),
 ) -> Result<Spectrum, SpectralError> {
     let problem = StandardProblem::new(operator);
     let n = problem.len();
@@ -112,7 +114,7 @@ pub(crate) fn connected_eigenpairs(
     let elimination = Elimination::new(&problem)?;
     check_memory(parameters.memory_limit, format!("{k} eigenpairs"), n, numbers + elimination.len())?;
     let task = Task { wanted, tolerance: parameters.tolerance, max_restarts: parameters.max_iterations };
-    let report = |converged: usize| progress(zeros + converged).is_continue();
+    let report = |share: f64| progress(share).is_continue();
     let pairs = inverse_eigenpairs(&problem, &elimination, &task, &report)?;
     pairs.into_spectrum(operator, &problem, k, parameters.tolerance, solver)
 }

@@ -18,6 +18,16 @@ mser3d_shape::choice! {
     }
 }
 
+impl Up {
+    /// The picture's axes in the view from the front: right, up, and towards the viewer.
+    pub fn axes(self) -> [Vec3; 3] {
+        match self {
+            Self::Y => [[1., 0., 0.], [0., 1., 0.], [0., 0., 1.]],
+            Self::Z => [[1., 0., 0.], [0., 0., 1.], [0., -1., 0.]],
+        }
+    }
+}
+
 mser3d_shape::choice! {
     /// Views that have a name.
     pub enum NamedView("view") {
@@ -68,6 +78,11 @@ impl View {
     /// From above.
     pub const TOP: Self = Self { azimuth: 0.0, elevation: 90.0 };
 
+    /// The same from a place turned by so many degrees about the up axis.
+    pub fn turned(self, degrees: f64) -> Self {
+        Self { azimuth: self.azimuth + degrees, ..self }
+    }
+
     /// The one of several views that shows most of a part of a surface: in which the triangles of the part
     /// that face the viewer have the largest projected area. That other parts may hide them is ignored. Of
     /// equal views the first; `None` if `views` is empty.
@@ -102,10 +117,7 @@ impl View {
 
     /// The camera's axes in the shape's coordinates.
     pub(crate) fn camera(self, up: Up) -> Camera {
-        let (right, up, toward): (Vec3, Vec3, Vec3) = match up {
-            Up::Y => ([1., 0., 0.], [0., 1., 0.], [0., 0., 1.]),
-            Up::Z => ([1., 0., 0.], [0., 0., 1.], [0., -1., 0.]),
-        };
+        let [right, up, toward] = up.axes();
         let (sin, cos) = self.azimuth.to_radians().sin_cos();
         let level = add(scale(toward, cos), scale(right, sin));
         let right = add(scale(right, cos), scale(toward, -sin));

@@ -4,6 +4,7 @@ use mser3d_shape::vector::Vec3;
 use rayon::prelude::*;
 
 use crate::camera::Camera;
+use crate::labels::draw_labels;
 use crate::lighting::{Surface, light};
 use crate::render_options::RenderOptions;
 use crate::z_buffer::{FILLING, NOTHING, Projection, Samples};
@@ -55,6 +56,7 @@ pub(crate) fn draw_panel(
     let bands = artist.projection.triangles_by_band(height.div_ceil(BAND), rows, artist.reach);
     let chunks = image.pixels_mut().par_chunks_mut(BAND * width).enumerate();
     chunks.for_each(|(band, pixels)| artist.draw_band(band as i64 * rows, &bands[band], pixels));
+    draw_labels(&mut image, model, place, options);
     Ok(image)
 }
 

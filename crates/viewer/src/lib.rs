@@ -31,12 +31,15 @@
 //! ```
 #![warn(missing_docs)]
 
+mod animation;
 mod camera;
 mod cut;
 mod draw_panel;
 mod error;
 mod gallery;
 mod image;
+mod labels;
+mod legend;
 mod lighting;
 mod model;
 mod normals;
@@ -49,27 +52,32 @@ mod render;
 mod render_options;
 mod rgb;
 mod section;
-mod stroke_font;
+mod sequence_page;
 #[cfg(test)]
 mod test_shapes;
+mod text;
 mod z_buffer;
 
+pub use animation::{frame_milliseconds, write_animation};
 pub use camera::{NamedView, Up, View};
 pub use cut::Cut;
 pub use error::ViewerError;
 pub use gallery::{Gallery, GalleryPicture, GalleryRow, gallery};
 pub use image::Image;
+pub use legend::LegendEntry;
 pub use model::{Colours, Model};
 pub use mser3d_shape as shape;
 pub use mser3d_shape::InvalidParameter;
 pub use page::{PageData, PageGrey, PagePart, PageParts, PageRegion, PageShape, PageTree, RegionPair, page};
-pub use palette::{Hue, NO_REGION, PALETTE, sequential, sequential_colours};
+pub use palette::{Hue, MISTAKE, NO_REGION, PALETTE, sequential, sequential_colours};
 pub use png;
 pub use region_colours::{RegionTraits, linked_colours, region_colours};
-pub use render::{Panel, render};
+pub use render::{Panel, render, render_with_legend};
 pub use render_options::RenderOptions;
 pub use rgb::Rgb;
 pub use section::voxel_surface;
+pub use sequence_page::{SequenceFrame, SequencePage, SequenceTrack, TrackPoint};
+pub use text::{text_width, write_text, write_text_with_halo};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

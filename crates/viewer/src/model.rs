@@ -44,6 +44,8 @@ pub struct Model {
     /// Whether colours are mixed between vertices; otherwise each place takes the prevailing one.
     pub(crate) blend: bool,
     pub(crate) section: Option<Section>,
+    /// What is written on each region; empty for nothing.
+    pub(crate) labels: Vec<String>,
 }
 
 /// How a model is cut open.
@@ -104,6 +106,7 @@ impl Model {
             colours: Vec::new(),
             blend,
             section: None,
+            labels: Vec::new(),
         };
         match colours {
             // Regions of one colour stay apart: a line is drawn between them.
@@ -124,7 +127,14 @@ impl Model {
         fits("labels per vertex", labels.len(), self.points.len())?;
         let paint = region_paint(labels, colours.len())?;
         let palette = [NO_REGION].iter().chain(colours).map(|colour| colour.linear()).collect();
-        Ok(Self { colours: palette, paint, blend: false, section: None, ..self.clone() })
+        Ok(Self { colours: palette, paint, blend: false, section: None, labels: Vec::new(), ..self.clone() })
+    }
+
+    /// The same with a text on each region, such as its number; empty for none. Regions with one text count as one. It is written
+    /// where there is most room, and left out where there is too little.
+    #[must_use]
+    pub fn with_labels(self, labels: Vec<String>) -> Self {
+        Self { labels, ..self }
     }
 
     /// The exposed faces of a voxel grid, one colour per voxel; with a cut, of the voxels whose centre
@@ -186,6 +196,7 @@ impl Model {
             colours: Vec::new(),
             blend: false,
             section: None,
+            labels: Vec::new(),
         }
     }
 

@@ -58,6 +58,9 @@ pub const PALETTE: [Hue; 8] = [
 /// The colour of what belongs to no region.
 pub const NO_REGION: Rgb = Rgb::hex(0xCFCFCF);
 
+/// The colour of a match that is wrong.
+pub const MISTAKE: Rgb = Rgb::hex(0x1A1A1A);
+
 /// A sequential colour map for a scalar: dark blue at 0, green, light yellow at 1.
 ///
 /// Lightness and the blue-yellow axis rise linearly in Oklab, so equal steps look equal, also in grey
@@ -91,7 +94,7 @@ mod tests {
             for q in &PALETTE[..i] {
                 assert!(p.distance(*q) > 0.05, "{p:?} {q:?}: {}", p.distance(*q));
             }
-            for plain in [NO_REGION, Rgb::WHITE, Rgb::hex(0)] {
+            for plain in [NO_REGION, Rgb::WHITE, MISTAKE] {
                 assert!(p.tones().iter().all(|tone| tone.distance(plain) > 0.1), "{p:?} {plain}");
             }
             assert!(p.light.distance(p.dark) > 0.1, "{p:?}: {}", p.light.distance(p.dark));

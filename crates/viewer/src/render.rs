@@ -4,9 +4,10 @@ use mser3d_shape::vector::{dot, sub};
 
 use crate::camera::{NamedView, Up, View};
 use crate::draw_panel::{Placement, draw_panel};
+use crate::legend::{INK, Legend, LegendEntry, draw_bar, round_length};
 use crate::render_options::RenderOptions;
-use crate::stroke_font::{text_width, write_text};
-use crate::{Image, Model, Rgb, ViewerError};
+use crate::text::{text_width, write_text};
+use crate::{Image, Model, ViewerError};
 
 /// One picture of a sheet: a model, where it is seen from, and what is written below.
 #[derive(Clone, Debug)]
@@ -15,7 +16,7 @@ pub struct Panel<'a> {
     pub model: &'a Model,
     /// From where.
     pub view: View,
-    /// Written below; empty for nothing. ASCII; other characters become boxes.
+    /// Written below; empty for nothing. As for [`write_text`], letters that the font lacks are boxes.
     pub caption: String,
 }
 
@@ -37,6 +38,18 @@ impl<'a> Panel<'a> {
 /// [`ViewerError::InvalidParameter`], [`ViewerError::Empty`] without panels, [`ViewerError::NotFinite`] for a
 /// view that is not, [`ViewerError::TooLarge`] beyond 2^28 pixels.
 pub fn render(panels: &[Panel<'_>], options: &RenderOptions) -> Result<Image, ViewerError> {
+    render_with_legend(panels, &[], options)
+}
+
+/// The same, and what the colours mean below.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_with_legend(
+    panels: &[Panel<'_>],
+    legend: &[LegendEntry],
+    options: &RenderOptions,
+) -> Result<Image, ViewerError> {
     options.validate()?;
     if panels.is_empty() {
         return Err(ViewerError::Empty { reason: "no panels" });
@@ -70,7 +83,14 @@ pub fn render(panels: &[Panel<'_>], options: &RenderOptions) -> Result<Image, Vi
     // No taller than the shapes need, so that wide shapes leave no empty bands.
     let height = ((tallest * scale + 2.0 * border).ceil() as usize).max(16);
 
-    let mut sheet = Image::new(widths.iter().sum(), rows * (height + footer), options.background)?;
+    let width: usize = widths.iter().sum();
+    let bar = round_length(widths[0] as f64 / 4.0, scale).filter(|_| options.scale_bar);
+    let bar = bar.map(|(length, name)| ((length * scale).round().max(1.0) as usize, name));
+    let taken = bar.as_ref().map_or(0, |(bar, _)| bar + 2 * letters);
+    let legend = Legend::new(legend, width.saturating_sub(taken), letters);
+    let below = legend.height().max(if bar.is_some() { 3 * letters } else { 0 });
+    let bottom = rows * (height + footer);
+    let mut sheet = Image::new(width, bottom + below, options.background)?;
     for (i, panel) in panels.iter().enumerate() {
         let (row, column) = (i / columns, i % columns);
         let width = widths[column];
@@ -89,7 +109,17 @@ pub fn render(panels: &[Panel<'_>], options: &RenderOptions) -> Result<Image, Vi
         sheet.paste(&picture, left, top);
         let text_left = left as f64 + (width as f64 - text_width(&panel.caption, letters as f64)) / 2.0;
         let baseline = (top + height) as f64 + 1.2 * letters as f64;
-        write_text(&mut sheet, &panel.caption, [text_left, baseline], letters as f64, Rgb::hex(0x333333));
+        write_text(&mut sheet, &panel.caption, [text_left, baseline], letters as f64, INK);
+    }
+    legend.draw(&mut sheet, bottom);
+    if let Some((bar, name)) = bar {
+        draw_bar(
+            &mut sheet,
+            [width.saturating_sub(bar + letters), bottom + 2 * letters],
+            bar,
+            &name,
+            letters,
+        );
     }
     Ok(sheet)
 }

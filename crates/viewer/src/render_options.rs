@@ -26,6 +26,8 @@ pub struct RenderOptions {
     pub lines: f64,
     /// Height of capital letters in captions, in pixels, 6 to 512; `None` scales it with the panels.
     pub caption_size: Option<usize>,
+    /// Whether a bar of round length is drawn below, at the right: 1, 2 or 5 times a power of ten, in the mesh's unit.
+    pub scale_bar: bool,
 }
 
 impl Default for RenderOptions {
@@ -40,6 +42,7 @@ impl Default for RenderOptions {
             occlusion: 0.8,
             lines: 0.6,
             caption_size: None,
+            scale_bar: false,
         }
     }
 }

@@ -31,6 +31,7 @@ fn the_archive_is_the_same_again_and_its_program_runs() {
         ("CHANGELOG.md", "0."),
         ("LICENSE-MIT", "Permission is hereby granted"),
         ("LICENSE-APACHE", "Apache License"),
+        ("LICENSE-DEJAVU", "Bitstream Vera"),
         ("man/mser3d.1", "mser3d"),
         ("man/mser3d-detect.1", "detect"),
         ("completions/mser3d.bash", "detect"),

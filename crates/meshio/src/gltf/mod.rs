@@ -46,7 +46,7 @@ pub(crate) fn parse(
     let asset = open(format, bytes, path)?;
     let animation = match &options.animation {
         None => None,
-        Some(wanted) => Some(choose(&asset, wanted, path)?),
+        Some(wanted) => Some(choose(&asset, wanted, options.time, path)?),
     };
     assemble(&asset, animation, options.time).map_err(|fault| broken(fault, path))
 }
@@ -64,18 +64,27 @@ fn open<'a>(format: MeshFormat, bytes: &'a [u8], path: &Path) -> Result<Asset<'a
     Ok(Asset { root, buffers, nodes: exact })
 }
 
-/// The animation with this name, or else with this number.
-fn choose(asset: &Asset, wanted: &str, path: &Path) -> Result<usize, MeshIoError> {
+/// How far beyond its end, in seconds, an animation may be asked for: ends are shown to a hundredth.
+const ROUNDED: f64 = 0.005;
+
+/// The animation with this name, or else with this number. It must not end before the time.
+fn choose(asset: &Asset, wanted: &str, time: f64, path: &Path) -> Result<usize, MeshIoError> {
     let animations = &asset.root.animations;
     let by_name = animations.iter().position(|a| a.name.as_deref() == Some(wanted));
     let by_number = || wanted.parse().ok().filter(|&n: &usize| n < animations.len());
-    by_name.or_else(by_number).map_or_else(
-        || {
-            let available = animation::list(asset).map_err(|fault| broken(fault, path))?;
-            Err(MeshIoError::NoAnimation { path: path.to_path_buf(), wanted: wanted.to_owned(), available })
-        },
-        Ok,
-    )
+    let available = || animation::list(asset).map_err(|fault| broken(fault, path));
+    let Some(chosen) = by_name.or_else(by_number) else {
+        let (path, wanted) = (path.to_path_buf(), wanted.to_owned());
+        return Err(MeshIoError::NoAnimation { path, wanted, available: available()? });
+    };
+    if time > 0.0 {
+        let mut available = available()?;
+        let animation = available.swap_remove(chosen);
+        if time > animation.end + ROUNDED {
+            return Err(MeshIoError::BeyondAnimation { path: path.to_path_buf(), animation, time });
+        }
+    }
+    Ok(chosen)
 }
 
 /// All triangles of the scene in world space, vertices at equal rest positions welded.

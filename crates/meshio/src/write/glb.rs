@@ -111,16 +111,15 @@ fn encode(
     if positions.iter().flatten().any(|x| !x.is_finite()) {
         return Err("coordinates beyond 3.4e38 do not fit the 32-bit numbers of glTF; scale the mesh down");
     }
-    let bound = |pick: fn(f32, f32) -> f32, start: f32| {
-        let b = positions.iter().fold([start; 3], |b, p| std::array::from_fn(|a| pick(b[a], p[a])));
-        format!("[{:?},{:?},{:?}]", b[0], b[1], b[2])
-    };
-    let bounds =
-        format!(",\"min\":{},\"max\":{}", bound(f32::min, f32::INFINITY), bound(f32::max, f32::NEG_INFINITY));
-
     let mut arrays = Arrays::default();
     let mut names = String::from("\"POSITION\":0");
-    arrays.push(&floats(positions.iter().flatten().copied()), "VEC3", 5126, positions.len(), &bounds);
+    arrays.push(
+        &floats(positions.iter().flatten().copied()),
+        "VEC3",
+        5126,
+        positions.len(),
+        &bounds(positions),
+    );
     let mut attribute = |name: &str, bytes: Vec<u8>, kind: &str, component: u32, extra: &str| {
         let number = arrays.push(&bytes, kind, component, positions.len(), extra);
         let _ = write!(names, ",\"{name}\":{number}");
@@ -145,10 +144,29 @@ fn encode(
     let json = format!(
         "{{\"asset\":{{\"version\":\"2.0\",\"generator\":\"mser3d\"}},\"scene\":0,\"scenes\":[{{\"nodes\":[0]}}],\
          \"nodes\":[{}],\"meshes\":[{{\"primitives\":[{{\"attributes\":{{{names}}},\
-         \"indices\":{indices},\"material\":0}}]}}],\"materials\":[{{\"doubleSided\":true,\
-         \"pbrMetallicRoughness\":{{\"metallicFactor\":0,\"roughnessFactor\":0.8}}}}],\
-         \"accessors\":[{}],\"bufferViews\":[{}],\"buffers\":[{{\"byteLength\":{}}}]}}",
-        placed.nodes(),
+         \"indices\":{indices},\"material\":0}}]}}],{MATERIAL}",
+        placed.nodes()
+    );
+    pack(json, arrays)
+}
+
+/// The material of all meshes, as a member of the root.
+pub(super) const MATERIAL: &str = "\"materials\":[{\"doubleSided\":true,\
+     \"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":0.8}}]";
+
+/// The members that accessors of positions must have.
+pub(super) fn bounds(positions: &[[f32; 3]]) -> String {
+    let bound = |pick: fn(f32, f32) -> f32, start: f32| {
+        let b = positions.iter().fold([start; 3], |b, p| std::array::from_fn(|a| pick(b[a], p[a])));
+        format!("[{:?},{:?},{:?}]", b[0], b[1], b[2])
+    };
+    format!(",\"min\":{},\"max\":{}", bound(f32::min, f32::INFINITY), bound(f32::max, f32::NEG_INFINITY))
+}
+
+/// A file of a root that is complete but for its arrays, and of these.
+pub(super) fn pack(root: String, arrays: Arrays) -> Result<Vec<u8>, &'static str> {
+    let json = format!(
+        "{root},\"accessors\":[{}],\"bufferViews\":[{}],\"buffers\":[{{\"byteLength\":{}}}]}}",
         arrays.accessors,
         arrays.views,
         arrays.bytes.len()
@@ -163,7 +181,7 @@ fn encode(
 
 /// The binary chunk, and what describes it.
 #[derive(Default)]
-struct Arrays {
+pub(super) struct Arrays {
     bytes: Vec<u8>,
     accessors: String,
     views: String,
@@ -172,14 +190,31 @@ struct Arrays {
 
 impl Arrays {
     /// Adds an array of `count` rows, a multiple of 4 bytes long; its number.
-    fn push(&mut self, bytes: &[u8], kind: &str, component: u32, count: usize, extra: &str) -> usize {
-        let comma = if self.count > 0 { "," } else { "" };
-        let number = self.count;
+    pub fn push(&mut self, bytes: &[u8], kind: &str, component: u32, count: usize, extra: &str) -> usize {
         // 34963: triangle corners; 34962: vertices.
         let target = if component == 5125 { 34963 } else { 34962 };
+        self.add(bytes, kind, component, count, extra, &format!(",\"target\":{target}"))
+    }
+
+    /// Adds numbers that are neither of vertices nor of triangles.
+    pub fn push_plain(&mut self, bytes: &[u8], count: usize, extra: &str) -> usize {
+        self.add(bytes, "SCALAR", 5126, count, extra, "")
+    }
+
+    fn add(
+        &mut self,
+        bytes: &[u8],
+        kind: &str,
+        component: u32,
+        count: usize,
+        extra: &str,
+        target: &str,
+    ) -> usize {
+        let comma = if self.count > 0 { "," } else { "" };
+        let number = self.count;
         let _ = write!(
             self.views,
-            "{comma}{{\"buffer\":0,\"byteOffset\":{},\"byteLength\":{},\"target\":{target}}}",
+            "{comma}{{\"buffer\":0,\"byteOffset\":{},\"byteLength\":{}{target}}}",
             self.bytes.len(),
             bytes.len()
         );
@@ -193,12 +228,12 @@ impl Arrays {
     }
 }
 
-fn floats(values: impl Iterator<Item = f32>) -> Vec<u8> {
+pub(super) fn floats(values: impl Iterator<Item = f32>) -> Vec<u8> {
     values.flat_map(f32::to_le_bytes).collect()
 }
 
 /// An sRGB component as linear light (IEC 61966-2-1).
-fn linear(component: u8) -> u16 {
+pub(super) fn linear(component: u8) -> u16 {
     let s = f64::from(component) / 255.0;
     let light = if s <= 0.04045 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) };
     (light * 65535.0).round() as u16

@@ -1,6 +1,7 @@
 //! Meshes and voxels to files.
 
 mod glb;
+mod moving_glb;
 mod off;
 mod ply;
 mod vti;
@@ -8,6 +9,7 @@ mod vtk;
 mod vtp;
 
 pub use glb::write_glb;
+pub use moving_glb::{Moment, write_moving_glb};
 pub use off::write_off;
 pub use ply::write_ply;
 pub use vti::{VoxelField, VoxelValues, write_vti};

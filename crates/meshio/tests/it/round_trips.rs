@@ -1,8 +1,8 @@
 //! What is written is read back.
 
 use mser3d_meshio::{
-    ReadOptions, VertexAttributes, VoxelField, VoxelValues, list_animations, read_mesh, write_glb, write_off,
-    write_ply, write_vti, write_vtp,
+    Moment, ReadOptions, VertexAttributes, VoxelField, VoxelValues, list_animations, read_mesh, write_glb,
+    write_moving_glb, write_off, write_ply, write_vti, write_vtp,
 };
 use mser3d_shape::{BitGrid, Frame, TriangleMesh, VoxelGrid};
 use std::io::Write;
@@ -217,4 +217,41 @@ fn vti_holds_the_box_x_fastest() {
     let taken = [VoxelField { name: "inside", values: VoxelValues::Labels(&labels) }];
     assert!(write_vti(&path("b.vti"), &grid, &taken).is_err());
     assert!(!path("b.vti").exists());
+}
+
+#[test]
+fn a_moving_glb_is_read_at_its_moments_and_between_them() {
+    let (_folder, path) = folder();
+    let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let mesh = TriangleMesh::new(corners, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]).unwrap();
+    // Times that are sums of powers of two, and so exact in f32.
+    let moment = |time: f64, bend: f64| {
+        let vertices = mesh.vertices().iter().map(|p| [p[0] + bend * p[2], p[1] - bend, p[2]]).collect();
+        Moment { time, vertices }
+    };
+    let moments = [moment(0.5, 0.0), moment(0.75, 1.0), moment(2.0, -2.0)];
+    let colors = [[255, 0, 0], [0, 255, 0], [0, 0, 255], [9, 9, 9]];
+    write_moving_glb(&path("a.glb"), &mesh, &moments, &colors).unwrap();
+    let animations = list_animations(&path("a.glb")).unwrap();
+    assert_eq!((animations.len(), animations[0].start, animations[0].end), (1, 0.0, 1.5));
+    let at = |time: f64| {
+        let options = ReadOptions { animation: Some("sequence".into()), time };
+        read_mesh(&path("a.glb"), &options).unwrap().mesh
+    };
+    for (time, expected) in [(0.0, &moments[0]), (0.25, &moments[1]), (1.5, &moments[2])] {
+        assert_eq!(at(time).vertices(), expected.vertices, "{time}");
+        assert_eq!(at(time).triangles(), mesh.triangles());
+    }
+    // Half way from the first moment to the second.
+    assert_eq!(at(0.125).vertices(), moment(0.0, 0.5).vertices);
+
+    let error = |moments: &[Moment], colors: &[[u8; 3]]| {
+        write_moving_glb(&path("b.glb"), &mesh, moments, colors).unwrap_err().to_string()
+    };
+    assert!(error(&moments[..1], &colors).contains("at least 2"));
+    assert!(error(&moments, &colors[1..]).contains("vertex colors"));
+    assert!(error(&[moment(1.0, 0.0), moment(1.0, 1.0)], &colors).contains("later than"));
+    let far = Moment { time: 1.0, vertices: vec![[1e300; 3]; 4] };
+    assert!(error(&[moment(0.0, 0.0), far], &colors).contains("scale the mesh down"));
+    assert!(!path("b.glb").exists());
 }

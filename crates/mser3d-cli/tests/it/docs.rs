@@ -145,6 +145,21 @@ fn the_page_on_batches_can_be_followed() {
 }
 
 #[test]
+fn the_page_on_motion_can_be_followed_and_has_all_options() {
+    follow("docs/track.md");
+    let page = fs::read_to_string(root().join("docs/track.md")).unwrap();
+    let (track, detect) = (options("track"), options("detect"));
+    let own = track.iter().filter(|(name, default)| detect.get(*name) != Some(default));
+    for (name, default) in own {
+        let row = page.lines().find(|line| line.starts_with(&format!("| `{name}` |")));
+        let row = row.unwrap_or_else(|| panic!("{name} is not in docs/track.md"));
+        if let Some(default) = default {
+            assert_eq!(row.split('|').nth(2).map(str::trim), Some(&default[..]), "{name}");
+        }
+    }
+}
+
+#[test]
 fn the_page_on_left_and_right_can_be_followed() {
     follow("docs/sides.md");
 }
@@ -218,7 +233,22 @@ fn every_field_and_array_of_a_result_is_documented() {
     assert!(mser3d([match_, result, result, output, matches.as_os_str()]).status.success());
     let csv = fs::read_to_string(matches.join("matches.csv")).unwrap();
     names.extend(csv.lines().next().unwrap().split(',').map(str::to_owned));
-    assert!(names.len() > 60);
+    let moving = folder.path().join("moving");
+    let figure = fixtures().join("human.glb");
+    let track = ["track".as_ref(), figure.as_os_str(), "-o".as_ref(), moving.as_os_str()];
+    let options = "--animation poses --frames 2 --voxels 1500 --quiet".split(' ').map(std::ffi::OsStr::new);
+    assert!(mser3d(track.into_iter().chain(options)).status.success());
+    let tracks = json(&moving.join("tracks.json"));
+    names.extend(keys(&tracks));
+    names.extend(["parameters", "frames"].iter().flat_map(|part| match &tracks[part] {
+        Value::Array(list) => keys(&list[0]),
+        part => keys(part),
+    }));
+    names.extend(keys(&tracks["tracks"][0]));
+    names.extend(keys(&tracks["tracks"][0]["sightings"][0]));
+    let csv = fs::read_to_string(moving.join("tracks.csv")).unwrap();
+    names.extend(csv.lines().next().unwrap().split(',').map(str::to_owned));
+    assert!(names.len() > 90);
     for name in names {
         assert!(page.contains(&format!("`{name}`")), "{name}");
     }

@@ -39,9 +39,9 @@ fn a_folder_of_the_library_is_viewed_rendered_matched_exported_and_searched() {
     }
     let (rest, walk) = (paths[0].as_path(), paths[1].as_path());
     succeeds(&[&"view", &rest]);
-    assert!(fs::read_to_string(rest.join("view.html")).unwrap().contains("Stable regions of rest"));
+    assert!(fs::read_to_string(rest.join("view.html")).unwrap().contains("Parts and stable regions of rest"));
     succeeds(&[&"render", &rest]);
-    assert!(fs::read(rest.join("regions.png")).unwrap().starts_with(b"\x89PNG"));
+    assert!(fs::read(rest.join("parts.png")).unwrap().starts_with(b"\x89PNG"));
     succeeds(&[&"export", &rest, &"-o", &rest.join("rest.glb")]);
     assert!(succeeds(&[&"match", &rest, &walk]).contains("regions matched"));
     let shapes = ["rest", "walk"].map(|pose| fixtures().join(format!("human_{pose}.off")));

@@ -10,11 +10,13 @@ mod libraries;
 mod maps;
 mod msv;
 mod names;
+mod outputs;
 mod results;
 mod shell;
 mod sides;
 #[cfg(unix)]
 mod system;
+mod track;
 mod volumes;
 mod voxelize;
 mod weights;

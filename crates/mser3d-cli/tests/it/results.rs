@@ -7,6 +7,7 @@ use std::path::Path;
 use crate::common::*;
 use mser3d_fileio::{NpyArray, NpyValues, read_npz};
 use mser3d_meshio::{ReadOptions, read_mesh};
+use mser3d_viewer::{PALETTE, Rgb};
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
@@ -81,7 +82,7 @@ fn a_volume_writes_four_files_that_agree() {
     assert!(report["warnings"].is_array());
     let stages: Vec<&str> =
         list(&report["run"], "stages").iter().map(|s| s["stage"].as_str().unwrap()).collect();
-    assert_eq!(stages, ["voxelize", "spectrum", "regions", "reliability", "descriptors"]);
+    assert_eq!(stages, ["voxelize", "spectrum", "regions", "reliability", "descriptors", "parts"]);
     assert!(list(&report["run"], "stages").iter().all(|s| s["seconds"].as_f64().unwrap() >= 0.0));
 
     let arrays = Arrays::read(folder.path());
@@ -225,7 +226,9 @@ fn standard_output_is_a_table_or_json_or_nothing() {
     let written = json(&folder.path().join("regions.json"));
     assert_eq!(parsed, written);
     let table = run("");
-    assert_eq!(table.lines().count(), list(&written, "regions").len() + 2, "{table}");
+    // Head, regions, an empty line, head, parts, how many, how many and where.
+    let found = list(&written, "regions").len() + list(&written, "parts").len();
+    assert_eq!(table.lines().count(), found + 5, "{table}");
     assert!(table.lines().next().unwrap().contains("centroid") && table.contains("regions in"));
 }
 
@@ -239,13 +242,19 @@ fn inspect(path: &Path) -> (String, Value) {
     (run(&[]), serde_json::from_str(&run(&["--json"])).unwrap())
 }
 
+/// Which of the palette's hues a colour is a tone of.
+fn hue(colour: &Value) -> usize {
+    let colour: [u8; 3] = serde_json::from_value(colour.clone()).unwrap();
+    PALETTE.iter().position(|hue| hue.tones().contains(&Rgb(colour))).unwrap()
+}
+
 #[test]
 fn parts_are_written_shown_and_exported() {
     let folder = tempfile::tempdir().unwrap();
     let (input, out) = (fixtures().join("human_rest.off"), folder.path().join("out"));
     let output = detect(&input, &out, "--voxels 4000 --eigenpairs 40 --parts 6 --html");
     assert!(output.status.success(), "{}", text(&output.stderr));
-    assert!(text(&output.stdout).ends_with("6 parts\n") && text(&output.stdout).contains(" trunk "));
+    assert!(text(&output.stdout).contains("\n6 parts\n") && text(&output.stdout).contains(" trunk "));
     let report = json(&out.join("regions.json"));
     assert_eq!(report["parameters"]["parts"]["count"]["count"], 6);
     let parts = list(&report, "parts");
@@ -267,18 +276,16 @@ fn parts_are_written_shown_and_exported() {
     assert!(String::from_utf8_lossy(&vti).contains("Name=\"part\""));
     let page = fs::read_to_string(out.join("view.html")).unwrap();
     assert!(page.contains("Parts and stable regions of human_rest"));
-    // The page has the numbers of the record, and leads from a twin to the other.
+    // Twins have one hue, and the page leads from each to the other.
     let head = page_head(&page);
     let shown = list(&head["shapes"][0], "parts");
     for (part, shown) in parts.iter().zip(shown) {
         for name in ["trunk", "region", "twins", "vertices", "voxels"] {
             assert_eq!(part[name], shown[name], "{name}");
         }
-        // A side has a sign, and twins have opposite ones.
-        let side = |part: &Value| part["side"].as_f64().unwrap_or(0.0);
         for twin in list(part, "twins") {
-            let twin = &head["shapes"][0]["parts"][twin.as_u64().unwrap() as usize];
-            assert!((side(shown) + side(twin)).abs() < 0.1, "{shown} {twin}");
+            let other = &head["shapes"][0]["parts"][twin.as_u64().unwrap() as usize]["colour"];
+            assert_eq!(hue(&shown["colour"]), hue(other));
         }
     }
     let twins = shown.iter().filter(|part| !list(part, "twins").is_empty());
@@ -289,21 +296,26 @@ fn parts_are_written_shown_and_exported() {
         let output = mser3d([&[arguments[0], out.to_str().unwrap()], &arguments[1..]].concat());
         assert!(output.status.success(), "{}", text(&output.stderr));
     };
-    run(&["render", "--parts", "--height", "60"]);
+    // Parts are shown first.
+    run(&["render", "--height", "60"]);
     assert!(out.join("parts.png").exists() && !out.join("regions.png").exists());
+    run(&["render", "--show", "regions", "--height", "60"]);
+    run(&["render", "--show", "each", "--height", "30"]);
+    assert!(out.join("regions.png").exists() && out.join("each.png").exists());
     let ply = folder.path().join("parts.ply");
     run(&["export", "--parts", "-o", ply.to_str().unwrap()]);
     assert_eq!(read_mesh(&ply, &ReadOptions::default()).unwrap().mesh.vertices().len(), 3756);
 
     // Without parts there are none to show, and those of before are gone.
-    regions(&input, &out, COARSE);
+    regions(&input, &out, &format!("{COARSE} --parts none"));
     assert!(!out.join("view.html").exists() && json(&out.join("regions.json"))["parts"].is_null());
-    let output = mser3d(["render", out.to_str().unwrap(), "--parts"]);
+    let output = mser3d(["render", out.to_str().unwrap(), "--show", "parts"]);
     assert_fails(&output, 1, &["human_rest.off", "no parts", "--parts auto"]);
+    run(&["render", "--height", "50", "-o", out.join("default.png").to_str().unwrap()]);
     run(&["view"]);
     let page = fs::read_to_string(out.join("view.html")).unwrap();
     assert!(page_head(&page)["shapes"][0]["parts"].is_null() && page.contains("<title>Stable regions of"));
-    assert_fails(&detect(&input, &out, "--parts 0"), 2, &["auto, or a whole number of at least 1"]);
+    assert_fails(&detect(&input, &out, "--parts 0"), 2, &["auto, none, or a whole number of at least 1"]);
 }
 
 #[test]

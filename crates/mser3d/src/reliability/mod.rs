@@ -125,17 +125,25 @@ pub(crate) fn measure(
     progress: ProgressFn,
 ) -> Result<(), Error> {
     let own = &parameters.reliability;
-    report(progress, Stage::Reliability, 0, total)?;
+    report(progress, Stage::Reliability, 0.0)?;
     let regions: Vec<Place> = sets
         .iter()
         .zip(bodies)
         .flat_map(|(set, body)| set.regions.iter().map(|region| place(region, &body.elements)))
         .collect();
     let spectra: Vec<SpectrumParameters> = bodies.iter().map(|body| spectrum(body, parameters)).collect();
-    let done = Mutex::new(0);
-    // As far as it was told before, whatever the stage within a copy.
-    let goes_on = |_: Progress| progress(Progress { stage: Stage::Reliability, done: *lock(&done), total });
+    let stages = parameters.stages_of_copy(&original.input(), shape.len());
+    let shares = Mutex::new(vec![0.0; total]);
+    // How far a copy is says how far all are.
+    let tell = |copy: u64, share: f64| {
+        let mut shares = lock(&shares);
+        let own = &mut shares[copy as usize];
+        *own = share.max(*own);
+        let done = shares.iter().sum::<f64>() / total as f64;
+        progress(Progress { stage: Stage::Reliability, done, overall: done })
+    };
     let search = |number: u64| -> Result<Vec<f64>, Error> {
+        let goes_on = |told: Progress| tell(number, stages.share(told.stage, told.done));
         let overlaps = original
             .deform(
                 shape,
@@ -146,9 +154,9 @@ pub(crate) fn measure(
                 &goes_on,
             )
             .and_then(|copy| overlaps(&copy, &regions, &spectra, parameters, &goes_on));
-        let mut done = lock(&done);
-        *done += 1;
-        report(progress, Stage::Reliability, *done, total)?;
+        if tell(number, 1.0).is_break() {
+            return Err(Error::Cancelled);
+        }
         // In a copy without a solid nothing is found again.
         match overlaps {
             Err(Error::Cancelled) => Err(Error::Cancelled),

@@ -307,11 +307,11 @@ fn progress_rises_over_several_bodies_and_can_cancel() {
     let mesh = two_clubs(1.0);
     Detector::new(with(Bodies::All)).with_progress(&hear).detect(Input::Volume(&mesh)).unwrap();
     let heard = heard.into_inner().unwrap();
-    assert!(heard.is_sorted_by_key(|p| (p.stage as usize, p.done)), "{heard:?}");
-    assert!(heard.iter().all(|p| p.done <= p.total));
-    let stop = |p: mser3d::Progress| match (p.stage, p.done) {
-        (mser3d::Stage::Spectrum, 101..) => std::ops::ControlFlow::Break(()),
-        _ => std::ops::ControlFlow::Continue(()),
+    assert!(heard.is_sorted_by_key(|p| (p.stage as usize as f64, p.done)), "{heard:?}");
+    assert!(heard.is_sorted_by_key(|p| p.overall) && heard.iter().all(|p| (0.0..=1.0).contains(&p.done)));
+    let stop = |p: mser3d::Progress| match p.stage == mser3d::Stage::Spectrum && p.done > 0.5 {
+        true => std::ops::ControlFlow::Break(()),
+        false => std::ops::ControlFlow::Continue(()),
     };
     let stopped = Detector::new(with(Bodies::All)).with_progress(&stop).detect(Input::Volume(&mesh));
     assert_eq!(stopped.err(), Some(Error::Cancelled));

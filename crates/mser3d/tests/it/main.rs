@@ -5,6 +5,7 @@ mod example;
 
 mod bodies;
 mod parts;
+mod progress;
 mod reliability;
 mod sides;
 mod sight;
@@ -82,7 +83,7 @@ fn the_handle_of_a_club_is_a_region_of_its_volume_and_of_its_voxels() {
     let features = Detector::new(parameters()).detect(Input::Volume(&mesh)).unwrap();
     let handle = |f: &Features| f.regions.iter().any(|r| r.centroid[0] > 5.0 && r.volume_fraction < 0.25);
     assert!(handle(&features));
-    assert_eq!((features.shape.domain(), features.run.stages.len()), (Domain::Volume, 4));
+    assert_eq!((features.shape.domain(), features.run.stages.len()), (Domain::Volume, 5));
     // The same solid, given as the voxels it became, is the same to the bit.
     let grid = features.shape.grid().unwrap();
     let solid = Detector::new(parameters()).detect(Input::Solid(grid)).unwrap();
@@ -162,8 +163,9 @@ fn progress_goes_through_the_stages_and_can_cancel_in_each() {
     parameters.reliability.deformations = Some(3);
     Detector::new(parameters.clone()).with_progress(&hear).detect(Input::Volume(&mesh)).unwrap();
     let heard = heard.into_inner().unwrap();
-    assert!(heard.is_sorted_by_key(|p| (p.stage as usize, p.done)), "{heard:?}");
-    assert!(heard.iter().all(|p| p.done <= p.total));
+    assert!(heard.is_sorted_by_key(|p| (p.stage as usize as f64, p.done)), "{heard:?}");
+    assert!(heard.is_sorted_by_key(|p| p.overall) && heard.iter().all(|p| (0.0..=1.0).contains(&p.done)));
+    assert_eq!(heard.last().map(|p| (p.done, p.overall)), Some((1.0, 1.0)));
     for calls in (0..heard.len()).step_by(3) {
         let left = AtomicUsize::new(calls);
         let stop = |_| match left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| n.checked_sub(1)) {

@@ -7,7 +7,7 @@ use mser3d::shape::TriangleMesh;
 use mser3d::voxelize::Pitch;
 use mser3d::{Detector, Input, Parameters};
 use mser3d_meshio::{ReadOptions, read_mesh};
-use mser3d_results::{FORMAT, RegionPair, RenderOptions, Results, Up};
+use mser3d_results::{EXPORT_ENDINGS, FORMAT, RegionPair, RenderOptions, Results, Up};
 use mser3d_viewer::{NO_REGION, Rgb};
 
 fn dumbbell() -> TriangleMesh {
@@ -191,7 +191,7 @@ fn what_is_wrong_with_a_folder_is_said() {
 #[test]
 fn matched_regions_are_linked() {
     let results = &*VOLUME;
-    let matches = [RegionPair { first: 0, second: 1, distance: 0.25 }];
+    let matches = [RegionPair { first: 0, second: 1, distance: 0.25, mistake: false }];
     let [first, second] = mser3d_results::matched_colours(results, results, &matches);
     let (others, matched) = (|r: &&Rgb| **r == NO_REGION, first[0]);
     assert_ne!(matched, NO_REGION);
@@ -201,7 +201,7 @@ fn matched_regions_are_linked() {
     assert!(html.contains("\"matches\":[[0,1,0.25]]"));
     let options = RenderOptions { height: 60, ..Default::default() };
     results.match_sheet(results, &matches, &options).unwrap();
-    let beyond = [RegionPair { first: 0, second: 999, distance: 0.25 }];
+    let beyond = [RegionPair { first: 0, second: 999, distance: 0.25, mistake: false }];
     assert!(results.match_page(results, &beyond, "pair", Up::Y).is_err());
 }
 
@@ -217,12 +217,14 @@ fn features_of_another_mesh_are_refused() {
 #[test]
 fn a_cut_opens_the_side_that_the_viewer_sees() {
     // The dumbbell lies along x, from -3 to 3; y and z span -1 to 1.
-    let cut = |axis, kept, up| VOLUME.cut(axis, kept, up).unwrap();
+    let cut = |axis, kept, up| VOLUME.cut(axis, kept, up, 0.0).unwrap();
     assert_eq!(cut(None, 0.5, Up::Y).normal, [0.0, 0.0, 1.0]);
     assert_eq!(cut(None, 0.5, Up::Z).normal, [0.0, -1.0, 0.0]);
     let (front, side) = (cut(None, 0.75, Up::Z), cut(Some(0), 0.75, Up::Z));
     assert!((front.offset - 0.5).abs() < 0.02, "{front:?}");
     assert_eq!((side.normal, side.offset), ([1.0, 0.0, 0.0], 1.5));
+    // From behind the other half goes.
+    assert_eq!(VOLUME.cut(None, 0.5, Up::Y, 180.0).unwrap().normal, [0.0, 0.0, -1.0]);
 }
 
 #[test]
@@ -235,11 +237,17 @@ fn the_ending_says_what_is_exported() {
     }
     let read = read_mesh(&path("a.PLY"), &ReadOptions::default()).unwrap().mesh;
     assert_eq!(read, VOLUME.mesh);
+    for ending in EXPORT_ENDINGS {
+        let named = path(&format!("each{ending}"));
+        VOLUME.export(&named).unwrap();
+        assert!(named.is_file(), "{ending}");
+    }
     let error = |name: &str| VOLUME.export(&path(name)).unwrap_err().to_string();
     for name in ["a.fbx", "a"] {
         assert!(
-            error(name)
-                .ends_with("no such format; end the name in .glb, .ply, .vtp, .vti, .nii.gz or .mrk.json")
+            error(name).ends_with(
+                "no such format; end the name in .glb, .ply, .vtp, .vti, .nii.gz, .nii or .mrk.json"
+            )
         );
     }
     let mut surface = VOLUME.clone();

@@ -4,6 +4,7 @@
 #[allow(dead_code)]
 mod example;
 mod folder;
+mod front;
 
 #[test]
 fn the_example_runs() {

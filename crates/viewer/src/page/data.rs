@@ -140,6 +140,8 @@ pub struct RegionPair {
     pub second: u32,
     /// Distance of their descriptors.
     pub distance: f64,
+    /// Whether a ground truth says that they are not the same: a mistake.
+    pub mistake: bool,
 }
 
 impl PageData<'_> {

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 pub use data::{PageData, PageGrey, PagePart, PageParts, PageRegion, PageShape, PageTree, RegionPair};
 
-use crate::page::pack::Pack;
+pub(crate) use crate::page::pack::Pack;
 use crate::page::shape_json::{number, shape_json};
 use crate::{NO_REGION, ViewerError};
 

@@ -211,7 +211,7 @@ fn data_that_do_not_fit_are_named() {
     wrong.regions[0].node = Some([1, 0]);
     assert_eq!(error(vec![wrong]), "region 0 names tree 1, but there are only 1 (numbered from 0)");
 
-    let matches = vec![RegionPair { first: 0, second: 2, distance: 0.1 }];
+    let matches = vec![RegionPair { first: 0, second: 2, distance: 0.1, mistake: false }];
     let pair = PageData { matches, ..data(vec![good(), good()]) };
     assert!(matches!(page(&pair), Err(ViewerError::OutOfRange { what: "match", index: 2, .. })));
 }

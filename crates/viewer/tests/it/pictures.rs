@@ -243,3 +243,30 @@ fn a_gallery_holds_its_pictures_and_nothing_else() {
     );
     assert!(html.contains("a &lt; b") && !html.contains("<script") && !html.contains("http:"));
 }
+
+#[test]
+fn a_region_has_its_number_where_it_has_room() {
+    let torus = torus();
+    let labels: Vec<i32> = (0..96 * 48).map(|v| i32::from(v / 48 >= 48)).collect();
+    let model = |texts: [&str; 2]| {
+        let colours = [PALETTE[0].middle, PALETTE[5].middle];
+        let model =
+            Model::from_mesh(&torus, Colours::Regions { labels: &labels, colours: &colours }).unwrap();
+        model.with_labels(texts.map(str::to_owned).into())
+    };
+    let draw = |model: &Model| {
+        let panel = Panel { model, view: View::TOP, caption: String::new() };
+        render(&[panel], &RenderOptions { height: 200, ..Default::default() }).unwrap()
+    };
+    let plain = draw(&model(["", ""]));
+    let changed = |texts| {
+        let numbered = draw(&model(texts));
+        let pairs = plain.pixels().iter().zip(numbered.pixels()).enumerate();
+        pairs.filter(|(_, (a, b))| a != b).map(|(at, _)| at % plain.width()).collect::<Vec<usize>>()
+    };
+    // The first half of the torus is at +x, right in the picture.
+    let (right, left) = (changed(["7", ""]), changed(["", "7"]));
+    assert!(right.len() > 30 && right.iter().all(|x| *x > plain.width() / 2), "{right:?}");
+    assert!(left.len() > 30 && left.iter().all(|x| *x < plain.width() / 2), "{left:?}");
+    assert!(changed(["a text that is far too long for a region", ""]).is_empty());
+}

@@ -1,0 +1,176 @@
+//! `mser3d track`: regions followed through a sequence.
+
+use std::path::{Path, PathBuf};
+
+use mser3d_collection::{
+    BatchParameters, BatchSummary, Sampling, plan_sequence, share_parameters, track_glb, track_page,
+    track_pictures, track_results,
+};
+use mser3d_fileio::file_stem;
+use mser3d_meshio::ReadOptions;
+use mser3d_results::{Extra, RenderOptions, TrackParameters, TracksRecord, Up};
+
+use crate::batch::{run_plan, tell_failures};
+use crate::choice::choice;
+use crate::error::{CliError, print, print_json};
+use crate::interrupt;
+use crate::numbers::{count, fraction, positive};
+use crate::options::RegionOptions;
+use crate::run_options::RunOptions;
+use crate::volume_options::VolumeOptions;
+
+#[derive(clap::Args)]
+pub struct TrackArgs {
+    /// An animated glTF file; or the frames in their order: files, folders, patterns ("scans/*.ply"), or lists (.txt)
+    #[arg(required = true)]
+    pub inputs: Vec<PathBuf>,
+    /// Folder of the sequence; made if it isn't there
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Write a page for the browser too, tracks.html in the folder, on which the sequence plays
+    #[arg(long)]
+    pub html: bool,
+    /// Write the animation with the colours of the tracks too, tracks.glb, for Blender and browsers
+    #[arg(long)]
+    pub glb: bool,
+    /// Draw pictures too: strip.png, frames in a row, and moving.png, an animated PNG
+    #[arg(long)]
+    pub pictures: bool,
+    /// Height of the pictures in pixels
+    #[arg(long, value_name = "PIXELS", default_value_t = 360)]
+    pub height: usize,
+    /// The axis that points up on the page and in the pictures
+    #[arg(long, value_parser = choice::<Up>(), default_value_t = Up::default())]
+    pub up: Up,
+    /// Write this too, for each frame
+    #[arg(long, value_name = "WHAT,...", value_parser = choice::<Extra>(), value_delimiter = ',')]
+    pub write: Vec<Extra>,
+    /// Frames in parallel, as far as memory allows [default: one a thread]
+    #[arg(long, value_name = "N", value_parser = count)]
+    pub workers: Option<usize>,
+    /// Print the tracks as JSON instead of a table
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub run: RunOptions,
+    /// glTF animation, by name or number from 0 [default: the file's only one]
+    #[arg(long, value_name = "NAME", help_heading = "Input")]
+    pub animation: Option<String>,
+    /// Frames of the animation, from its start to its end, both included
+    #[arg(long, value_name = "N", value_parser = count, conflicts_with = "every", help_heading = "Input")]
+    pub frames: Option<usize>,
+    /// Seconds between frames of the animation, at most [default: 1/24]
+    #[arg(long, value_name = "SECONDS", value_parser = positive, help_heading = "Input")]
+    pub every: Option<f64>,
+    /// Least overlap at which regions of two frames are the same, where the frames have the same vertices
+    #[arg(long, value_name = "F", value_parser = fraction, default_value_t = TrackParameters::default().min_overlap,
+          help_heading = "Tracks")]
+    pub min_overlap: f64,
+    /// Least likeness at which they are the same, where the frames have other vertices
+    #[arg(long, value_name = "F", value_parser = fraction, default_value_t = TrackParameters::default().min_likeness,
+          help_heading = "Tracks")]
+    pub min_likeness: f64,
+    /// In how many frames in a row a region may be missing and keep its identity
+    #[arg(long, value_name = "N", default_value_t = TrackParameters::default().max_gap, help_heading = "Tracks")]
+    pub max_gap: usize,
+    #[command(flatten)]
+    pub volume: VolumeOptions,
+    #[command(flatten)]
+    pub options: RegionOptions,
+}
+
+pub fn run(args: &TrackArgs) -> Result<(), CliError> {
+    args.run.use_threads()?;
+    args.options.refuse_field()?;
+    if args.volume.all_labels() {
+        return Err(CliError::Usage("--label all: a frame is one shape; choose a label".into()));
+    }
+    let parameters = args.options.parameters()?;
+    let tracking = TrackParameters {
+        min_overlap: args.min_overlap,
+        min_likeness: args.min_likeness,
+        max_gap: args.max_gap,
+        ..TrackParameters::default()
+    };
+    tracking.validate().map_err(|e| CliError::Usage(format!("wrong parameter: {e}")))?;
+    let drawn = RenderOptions { height: args.height, up: args.up, ..RenderOptions::default() };
+    drawn.validate().map_err(|e| CliError::Usage(format!("wrong parameter: {e}")))?;
+    let sampling = match (args.frames, args.every) {
+        (Some(frames), _) => Sampling::Count(frames),
+        (None, Some(seconds)) => Sampling::Every(seconds),
+        (None, None) => Sampling::default(),
+    };
+    let volumes = args.options.shape(&args.volume, ReadOptions::default())?;
+    let mut plan = plan_sequence(&args.inputs, args.animation.as_deref(), sampling, &volumes)?;
+    let parameters = share_parameters(
+        &mut plan,
+        args.options.domain(),
+        &parameters,
+        args.options.eigenpairs.is_none() && args.options.lambda_max.is_none(),
+    )?;
+    let batch = BatchParameters {
+        workers: args.workers.unwrap_or_else(rayon::current_num_threads),
+        memory: parameters.spectrum.memory_limit.unwrap_or(u64::MAX),
+        extras: args.write.clone(),
+        shard: None,
+    };
+    let summary = run_plan(&args.run, &args.options, &args.output, &plan, parameters, &batch)?;
+    let tracks = track_results(&args.output, &plan, &tracking, &|_| !interrupt::is_requested())?;
+    if !args.run.quiet {
+        let warn = |what: &String| eprintln!("mser3d: warning: {}: {what}", args.output.display());
+        tracks.warnings.iter().for_each(warn);
+    }
+    if args.html {
+        let html = track_page(&args.output, &title(&args.inputs), args.up)?;
+        mser3d_fileio::write_text(&args.output.join("tracks.html"), &html)?;
+    }
+    if args.glb {
+        track_glb(&args.output)?;
+    }
+    if args.pictures {
+        track_pictures(&args.output, &drawn)?;
+    }
+    if args.json {
+        print_json(&tracks)?;
+    } else if !args.run.quiet {
+        print(&table(&tracks, &args.output, &summary))?;
+    }
+    tell_failures(&summary)
+}
+
+/// What the sequence is called: the first input's name.
+fn title(inputs: &[PathBuf]) -> String {
+    inputs.first().map_or_else(String::new, |input| format!("{} in motion", file_stem(input)))
+}
+
+/// The tracks, a line each, and where they are.
+fn table(tracks: &TracksRecord, folder: &Path, summary: &BatchSummary) -> String {
+    let mut text = format!(
+        "{:>5} {:>13} {:>6} {:>8} {:>8} {:>11}\n",
+        "track", "frames", "found", "overlap", "volume", "reliability"
+    );
+    let percent = |value: f64| format!("{:.1} %", 100.0 * value);
+    let maybe = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.2}"));
+    for track in &tracks.tracks {
+        let volume =
+            track.sightings.iter().map(|s| s.volume_fraction).sum::<f64>() / track.found.max(1) as f64;
+        text.push_str(&format!(
+            "{:>5} {:>13} {:>6} {:>8} {:>8} {:>11}\n",
+            track.id,
+            format!("{} to {}", track.first_frame, track.last_frame),
+            track.found,
+            maybe(track.mean_overlap),
+            percent(volume),
+            maybe(track.reliability),
+        ));
+    }
+    let BatchSummary { computed, kept, failed, .. } = summary;
+    let (frames, folder) = (tracks.frames.len(), folder.display());
+    text.push_str(&format!(
+        "{} tracks through {frames} frames ({computed} computed, {kept} kept, {} failed) in {folder}: tracks.json, \
+         tracks.csv, tracks.parquet\n",
+        tracks.tracks.len(),
+        failed.len(),
+    ));
+    text
+}
