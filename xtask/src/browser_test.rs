@@ -4,6 +4,7 @@
 //! as a user would, and checks what the page says. Screenshots go to `target/browser-test`.
 
 mod audit;
+mod pages;
 mod panel;
 mod regions;
 mod sequence;
@@ -19,8 +20,10 @@ use mser3d_results::{RegionPair, Results, Up};
 use self::session::{Session, write};
 use crate::browser::{self, Browser, SOFTWARE_GL};
 
-/// The page of a body of 45,000 voxels must be smaller.
-const LARGEST_PAGE: usize = 10 << 20;
+/// A page must be smaller, however fine the mesh: in bytes.
+const LARGEST_PAGE: usize = 10_000_000;
+/// As many vertices as there are in a scan.
+const FINE: usize = 500_000;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -46,11 +49,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     let parts = folder.join("parts.html");
     let single = folder.join("figure.html");
     let pair = folder.join("pair.html");
-    let html = results.page("A figure's parts", Up::Y)?;
-    if html.len() > LARGEST_PAGE {
-        return Err(format!("the page has {} bytes, more than {LARGEST_PAGE}", html.len()).into());
+    write(&parts, results.page("A figure's parts", Up::Y)?.as_bytes())?;
+    for (name, least) in [("middling.html", 50_000), ("fine.html", FINE)] {
+        let fine = pages::refined(&results, least)?;
+        let html = fine.page("A fine figure", Up::Y)?;
+        let (bytes, vertices) = (html.len(), fine.mesh.vertices().len());
+        println!("    {bytes} bytes for {vertices} vertices");
+        if bytes > LARGEST_PAGE {
+            return Err(format!("that is more than {LARGEST_PAGE}").into());
+        }
+        write(&folder.join(name), html.as_bytes())?;
     }
-    write(&parts, html.as_bytes())?;
+    write(&folder.join("volume.html"), pages::volume()?.as_bytes())?;
     let mut without_parts = results.clone();
     without_parts.record.parts = None;
     write(&single, without_parts.page("A figure", Up::Y)?.as_bytes())?;
@@ -64,7 +74,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     sequence::page(&results, &folder.join("sequence.html"))?;
 
     let mut browser = Browser::start(&program, &SOFTWARE_GL)?;
-    let tests: [(&str, fn(&mut Session<'_>) -> Result<(), String>); 15] = [
+    let tests: [(&str, fn(&mut Session<'_>) -> Result<(), String>); 18] = [
         ("the first picture comes soon, and shows the regions' colours", regions::shows_regions),
         ("parts are shown first, and lead to their twins and regions", panel::parts_are_first),
         ("a click on an arm shows the arm's numbers", regions::arm_shows_its_numbers),
@@ -81,6 +91,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
         ("what is in the way is hidden, and a click goes through it", panel::hides_and_isolates),
         ("a link brings back what was seen", panel::link_restores_the_view),
         ("dark mode, axes and a saved picture", panel::looks_and_pictures),
+        ("a very fine mesh opens soon, too", regions::fine_meshes_open_soon),
+        ("a click shows where both legs become one", regions::legs_merge),
+        ("slices of grey values stand beside the regions", panel::grey_values_are_seen),
         ("everything works by keyboard", regions::works_by_keyboard),
         ("a cut shows the inside, and its regions", regions::cut_shows_the_inside),
         ("a tap on a phone shows the arm's numbers", regions::works_on_a_phone),

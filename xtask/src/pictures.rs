@@ -26,9 +26,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
         mser3d(&["detect", &format!("fixtures/human_{pose}.off"), "-o", &at(pose), "--quiet"])?;
     }
     mser3d(&["render", &at("rest"), "-o", &picture("human_rest.png"), "--height", "600"])?;
-    mser3d(&["detect", "fixtures/human_rest.off", "-o", &at("parted"), "--parts", "auto", "--quiet"])?;
-    mser3d(&["render", &at("parted"), "--parts", "-o", &picture("human_parts.png"), "--height", "600"])?;
-    let views = ["--views", "inside,voxels", "--cut-at", "0.26", "--height", "600"];
+    mser3d(&["detect", "fixtures/human_rest.off", "-o", &at("parted"), "--parts", "12", "--quiet"])?;
+    mser3d(&["render", &at("parted"), "-o", &picture("human_parts.png"), "--height", "600"])?;
+    let views = [
+        "--show",
+        "regions",
+        "--views",
+        "three-quarter,inside,voxels",
+        "--cut-at",
+        "0.26",
+        "--height",
+        "600",
+    ];
     mser3d(&[&["render", &at("kick"), "-o", &picture("human_cut.png")][..], &views].concat())?;
     mser3d(&["match", &at("rest"), &at("kick"), "-o", &at("match")])?;
     copy(&work.join("match/matches.png"), &pictures.join("human_match.png"))?;
@@ -55,7 +64,8 @@ fn screenshots(program: &Path, work: &Path, pictures: &Path) -> Result<(), Strin
     };
     let page = work.join("rest/view.html");
     browser.load(&page)?;
-    for _ in 0..3 {
+    // An arm.
+    for _ in 0..5 {
         browser.press("n")?;
     }
     shot(&mut browser, "page.png")?;

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use mser3d_fileio::write_text;
 use mser3d_results::msv::MsvResults;
-use mser3d_results::{Results, Up};
+use mser3d_results::{Results, ShapeOptions, Up, VolumeFile};
+use mser3d_volumeio::Volume;
 
 use crate::choice::choice;
 use crate::error::{CliError, print};
@@ -32,11 +33,29 @@ pub fn run(args: &ViewArgs) -> Result<(), CliError> {
 pub fn write_page(folder: &Path, output: &Path, up: Up) -> Result<(), CliError> {
     let html = if MsvResults::is_in(folder) {
         let results = MsvResults::load(folder)?;
-        results.page(&format!("Stable volumes of {}", results.name()), up)?
+        let volume = match volume(&results) {
+            Ok(volume) => Some(volume),
+            Err(why) => {
+                eprintln!("mser3d: note: the grey values are not shown: {why}");
+                None
+            }
+        };
+        results.page(&format!("Stable volumes of {}", results.name()), up, volume.as_ref())?
     } else {
         let results = Results::load(folder)?;
         let what = if results.record.parts.is_some() { "Parts and stable regions" } else { "Stable regions" };
         results.page(&format!("{what} of {}", results.name()), up)?
     };
     Ok(write_text(output, &html)?)
+}
+
+/// The volume that regions were found in, read again, or why it cannot be.
+fn volume(results: &MsvResults) -> Result<Volume, String> {
+    let (record, path) = (&results.record, PathBuf::from(&results.record.volume));
+    let file = VolumeFile::read(&path, &ShapeOptions::default()).map_err(|e| e.to_string())?;
+    let volume = file.loaded.grey(None).map_err(|e| format!("{}: {e}", path.display()))?;
+    if (volume.dims(), volume.channels()) != (record.dims, record.channels) {
+        return Err(format!("{}: it is not the volume that was searched", path.display()));
+    }
+    Ok(volume)
 }

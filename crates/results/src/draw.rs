@@ -322,6 +322,7 @@ impl Results {
             vertex_voxel: &self.vertex_voxel,
             regions: regions.collect(),
             parts: self.page_parts(),
+            grey: None,
             trees: trees.collect(),
             facts: self.facts(),
         }

@@ -69,6 +69,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
         vertex_voxel: &[],
         regions,
         parts: None,
+        grey: None,
         trees: vec![],
         facts: vec![],
     };

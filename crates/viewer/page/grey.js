@@ -15,8 +15,7 @@ function voxelOfGrey(place) {
   const { step } = greyShape.grey;
   const [nx, ny] = greyShape.grid.dims;
   const [i, j, k] = place.map((x) => x * step);
-  greyShape.voxelAtPlace ??= new Map(Array.from(greyShape.grid.place, (at, voxel) => [at, voxel]));
-  return greyShape.voxelAtPlace.get((k * ny + j) * nx + i) ?? -1;
+  return voxelsByPlace(greyShape.grid)[(k * ny + j) * nx + i];
 }
 
 // Grey values, and over them the regions in their colours; what is chosen more strongly, the others less.

@@ -26,7 +26,8 @@ function restore(hash) {
   const finite = (list, count) => list.length >= count && list.every(Number.isFinite);
   const item = (name) => {
     const [id, shape = "0"] = name.split(":").reverse();
-    return /^\d+$/.test(id) && data.shapes[shape]?.[listed()][id] ? { shape: Number(shape), id: Number(id) } : null;
+    const numbers = /^\d+$/.test(id) && /^\d+$/.test(shape);
+    return numbers && data.shapes[shape]?.[listed()][id] ? { shape: Number(shape), id: Number(id) } : null;
   };
   if (words.mode) takeMode(words.mode);
   const trees = hasTrees && words.tree ? numbers("tree") : [];
@@ -34,7 +35,7 @@ function restore(hash) {
   state.chosen = words.chosen ? item(words.chosen) : null;
   state.hidden[listed()] = (words.hidden ?? "").split(",").map(item).filter(Boolean);
   const clamp = (x, low, high) => Math.min(high, Math.max(low, x));
-  if (words.others && finite(numbers("others"), 1)) state.others = clamp(numbers("others")[0], 0, 1);
+  state.others = words.others && finite(numbers("others"), 1) ? clamp(numbers("others")[0], 0, 1) : 1;
   if (finite(numbers("view"), 2)) camera.look(numbers("view")[0], clamp(numbers("view")[1], -90, 90));
   if (finite(numbers("zoom"), 3)) {
     const [zoom, ...shift] = numbers("zoom");

@@ -115,19 +115,23 @@ class Panel {
   }
 
   ofRegion({ shape: s, id }, shape, region) {
+    const measured = (name) => this.data.shapes.some((shape) => shape.regions.some((region) => region[name] !== null));
     const pairs = [
-      ["reliability", show(region.reliability)],
+      ...(measured("reliability") ? [["reliability", show(region.reliability)]] : []),
       ["stability", region.stability === null ? "∞" : show(region.stability)],
       ["altitude", show(region.altitude)],
-      ["lifetime", region.lifetime === null ? "no merge ends it" : show(region.lifetime)],
+      ...(measured("lifetime") ? [["lifetime", region.lifetime === null ? "it grows on" : show(region.lifetime)]] : []),
       ["inside", region.parent === null ? "no other" : this.link(s, region.parent, "regions")],
     ];
     if (this.twins("regions")) pairs.push(["twin", this.links(s, region.twins, "regions")]);
     if (this.sides("regions")) pairs.push(["side", showSide(region.side)]);
     if (region.tree !== null) pairs.push(["tree", shape.trees[region.tree].name]);
+    const merge = this.merge(s, shape, region, id);
+    if (merge) pairs.push(["merges at", merge]);
     if (shape.parts.length) {
       shape.partOfRegion ??= partsOfRegions(shape);
-      const part = shape.partOfRegion[id];
+      const grown = shape.parts.findIndex((part) => part.region === id);
+      const part = grown < 0 ? shape.partOfRegion[id] : grown;
       pairs.push(["part", part < 0 ? "several" : this.link(s, part, "parts")]);
     }
     const partner = this.partner(s, id);
@@ -136,6 +140,17 @@ class Panel {
       if (partner) pairs.push(["distance", show(partner[1])]);
     }
     return pairs;
+  }
+
+  // Where the component that a region is on the way of merges with another: a button that lets the level rise to there.
+  merge(s, shape, region, id) {
+    const tree = region.tree === null ? null : shape.trees[region.tree];
+    const branch = tree?.regions[id]?.[0];
+    if (branch === undefined || tree.parents[branch] === branch) return null;
+    const button = element("button", { type: "button", class: "link" }, percent(tree.ends[branch], 3));
+    button.setAttribute("aria-label", `Show the merge, when ${percent(tree.ends[branch], 3)} of the shape have entered`);
+    button.addEventListener("click", () => this.actions.showMerge(s, region.tree, tree.ends[branch]));
+    return button;
   }
 
   button(name, action, pressed) {

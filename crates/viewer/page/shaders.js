@@ -83,6 +83,7 @@ in vec3 vNormal;
 in vec3 vPlace;
 in float vOpen;
 uniform bool uWhole; // what is hidden counts as well
+uniform bool uSolid; // nothing shows the inside: a face seen from behind is a fold
 out vec4 oColour;
 void main() {
   if (vBeyond > 0.0) discard;
@@ -92,9 +93,9 @@ void main() {
   int best = prevailing(margin);
   if (!uWhole && open(corner(best).a)) discard;
   float line = 1.0 - smoothstep(0.6, 1.4, margin / max(fwidth(margin), 1e-4));
-  bool back = !gl_FrontFacing;
+  bool back = !gl_FrontFacing && !uSolid;
   if (n.z < 0.0) n = -n;
-  if (dot(n, face) < 0.64) n = face; // a crease
+  if (dot(n, face) < 0.64 && (gl_FrontFacing || !uSolid)) n = face; // a crease
   vec3 colour = toLinear(corner(best).rgb);
   float clear = back ? 0.5 : 1.0 - 0.8 * (1.0 - vOpen);
   vec3 light = lit(colour, n, clear) * (back ? 0.6 : 1.0);

@@ -3,15 +3,22 @@
 
 const FINE = 4;
 
+// For each place of a grid, x fastest, the number of its voxel; -1 for none.
+function voxelsByPlace(grid) {
+  if (!grid.byPlace) {
+    grid.byPlace = new Int32Array(grid.dims.reduce((n, d) => n * d, 1)).fill(-1);
+    grid.place.forEach((place, v) => (grid.byPlace[place] = v));
+  }
+  return grid.byPlace;
+}
+
 class Slice {
   constructor(gl, shape) {
     this.gl = gl;
     this.grid = shape.grid;
     this.reach = shape.closed ? 3 : 0;
-    const [nx, ny, nz] = this.grid.dims;
     this.sample();
-    this.voxel = new Int32Array(nx * ny * nz).fill(-1);
-    this.grid.place.forEach((place, v) => (this.voxel[place] = v));
+    this.voxel = voxelsByPlace(this.grid);
     this.colours = new Uint8Array(4 * this.grid.place.length);
     this.layer = [];
     this.texture = gl.createTexture();

@@ -21,7 +21,7 @@ const state = {
   axes: false,
 };
 const NOUNS = { parts: "part", regions: "region" };
-const actions = { choose, hover, hide, isolate, showAll, fade };
+const actions = { choose, hover, hide, isolate, showAll, fade, showMerge };
 const panel = new Panel(data, actions);
 const treePicture = new TreePicture(byId("tree"), {
   level: setLevel,
@@ -152,6 +152,12 @@ function setFlip(flip) {
   byId("cut-flip").setAttribute("aria-pressed", String(flip));
 }
 
+// Lets the level of a tree rise to where two components have just become one.
+function showMerge(shape, tree, share) {
+  setTree(tree, shape);
+  setLevel(share);
+}
+
 function setCut(axis) {
   state.cut = axis < 0 ? null : axis;
   document.querySelector(`input[name=cut][value="${axis}"]`).checked = true;
@@ -177,6 +183,7 @@ function refresh() {
     byId("level-text").textContent = `weight ${sign} ${show(altitude)}: ${percent(state.level)} of the shape, ${parts}`;
   }
   renderer?.recolour();
+  drawGrey();
   redraw();
 }
 

@@ -65,6 +65,7 @@ class Surface {
 
   uploadColours() {
     const { gl } = this;
+    this.opaque = this.colours.every((value, i) => i % 4 < 3 || value === 255);
     const whole = 4 * ROW * Math.max(1, Math.ceil(this.colours.length / 4 / ROW));
     this.padded ??= new Uint8Array(whole);
     this.padded.set(this.colours);
@@ -94,6 +95,7 @@ class Surface {
     gl.activeTexture(gl.TEXTURE0);
     const filled = cut && this.slice && this.shape.closed;
     gl.uniform1i(main.places.uWhole, filled ? 1 : 0);
+    gl.uniform1i(main.places.uSolid, this.shape.closed && !cut && this.opaque ? 1 : 0);
     if (filled) {
       // Behind a place where the cut is seen, back and front faces of what is kept do not balance.
       gl.colorMask(false, false, false, false);

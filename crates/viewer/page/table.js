@@ -41,7 +41,9 @@ function columns(data, list, s, links) {
       cell: (item) => (name === "stability" && item.stability === null ? "∞" : show(item[name], name === "reliability" ? 2 : 3)),
     }),
   ];
-  return found.filter(Boolean);
+  // What was measured of none is no column.
+  const measured = ({ head }) => !["reliability", "lifetime"].includes(head) || items.some((item) => item[head] !== null);
+  return found.filter((column) => column && measured(column));
 }
 
 // Nodes with commas between them.
@@ -63,7 +65,7 @@ class Table {
     else table.setAttribute("aria-label", name);
     const empty = element("p", {}, `${shape.name}: no ${list} were found.`);
     // It may be wider than the panel: then it scrolls, and the keyboard reaches it.
-    this.node = this.rows.length ? element("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": `Table: ${name}` }, table) : empty;
+    this.node = this.rows.length ? element("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": `Table ${data.shapes.length > 1 ? `${s + 1}: ` : ""}${name}` }, table) : empty;
     this.sorted(0, "ascending");
   }
 

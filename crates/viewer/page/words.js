@@ -4,12 +4,13 @@ const DOCS = "https://github.com/mser3d/mser3d/blob/main/";
 const WORDS = {
   altitude: ["The weight at which a region is complete, when the level moves through the component tree.", "ARCHITECTURE.md#component-trees"],
   stability: ["How little a region's volume changes when the level moves; large is stable, ∞ means it does not change.", "ARCHITECTURE.md#regions"],
-  lifetime: ["How far the level moves between a region's beginning and the merge that ends it; long-lived regions are parts of their own.", "ARCHITECTURE.md#component-trees"],
+  lifetime: ["How far the level moves between a region's beginning and the merge that ends it; only the last region before a merge has one.", "ARCHITECTURE.md#component-trees"],
   reliability: ["The chance, from 0 to 1, that the region is found again on another pose; below 0.5 it is shown faintly in the table.", "docs/results/reliability.md"],
   twin: ["Its mirror image on the same body; it is seen faintly when its twin is chosen.", "docs/sides.md"],
   twins: ["The parts that are its mirror images, or equal to it; they are seen faintly when it is chosen.", "docs/sides.md"],
   side: ["From −1 on one side of the body to +1 on the other; which of them is the left one is not said.", "docs/sides.md"],
   tree: ["The component tree that the region was found in; t_rel is how long heat flows, relative to the size of the shape.", "docs/weights.md"],
+  "merges at": ["How much of the shape has entered when the component around the region becomes one with another; a click shows it.", "ARCHITECTURE.md#component-trees"],
   level: ["The threshold that moves: a place enters when the level reaches its weight, and connected places form components.", "ARCHITECTURE.md#component-trees"],
 };
 

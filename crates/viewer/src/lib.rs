@@ -68,7 +68,7 @@ pub use legend::LegendEntry;
 pub use model::{Colours, Model};
 pub use mser3d_shape as shape;
 pub use mser3d_shape::InvalidParameter;
-pub use page::{PageData, PagePart, PageParts, PageRegion, PageShape, PageTree, RegionPair, page};
+pub use page::{PageData, PageGrey, PagePart, PageParts, PageRegion, PageShape, PageTree, RegionPair, page};
 pub use palette::{Hue, MISTAKE, NO_REGION, PALETTE, sequential, sequential_colours};
 pub use png;
 pub use region_colours::{RegionTraits, linked_colours, region_colours};

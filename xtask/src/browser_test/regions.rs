@@ -6,26 +6,60 @@ use super::session::{Session, colours};
 
 /// The page should show its first picture within this time, drawn without a graphics card.
 const GOAL: Duration = Duration::from_secs(2);
+/// And that of a mesh of 500,000 vertices.
+const FINE_GOAL: Duration = Duration::from_secs(3);
 /// On a machine that is busy with other things it may take longer, but beyond this it is broken.
 const BROKEN: Duration = Duration::from_secs(15);
 
 pub fn shows_regions(session: &mut Session<'_>) -> Result<(), String> {
+    opens_soon(session, "figure.html", GOAL)?;
+    let colours = colours(&session.shot("regions.png")?)?;
+    if colours < 200 {
+        return Err(format!("only {colours} colours are seen: the shape is not drawn"));
+    }
+    Ok(())
+}
+
+/// Fails unless the first picture of a page comes in time.
+fn opens_soon(session: &mut Session<'_>, page: &str, goal: Duration) -> Result<(), String> {
     // The machine may be busy with other things: the best of three.
     let mut times = Vec::new();
     for _ in 0..3 {
         session.browser.open_page()?;
-        times.push(session.load("figure.html")?);
+        times.push(session.load(page)?);
     }
     let best = times.iter().min().copied().unwrap_or_default();
     if best > BROKEN {
         return Err(format!("the first picture took {best:?}, longer than {BROKEN:?}"));
     }
     let seconds: Vec<String> = times.iter().map(|t| format!("{:.2}", t.as_secs_f64())).collect();
-    let verdict = if best <= GOAL { "within" } else { "beyond" };
-    println!("    first picture after {} s: {verdict} the goal of {GOAL:?}", seconds.join(", "));
-    let colours = colours(&session.shot("regions.png")?)?;
-    if colours < 200 {
-        return Err(format!("only {colours} colours are seen: the shape is not drawn"));
+    let verdict = if best <= goal { "within" } else { "beyond" };
+    println!("    first picture after {} s: {verdict} the goal of {goal:?}", seconds.join(", "));
+    Ok(())
+}
+
+pub fn fine_meshes_open_soon(session: &mut Session<'_>) -> Result<(), String> {
+    opens_soon(session, "fine.html", FINE_GOAL)?;
+    session.shot("fine.png")?;
+    let facts = session.browser.text("#facts")?;
+    if facts.contains("numbers are of all") { Ok(()) } else { Err(format!("the page says {facts:?}")) }
+}
+
+pub fn legs_merge(session: &mut Session<'_>) -> Result<(), String> {
+    session.load("parts.html")?;
+    // The largest limb is a leg; from its part to its region, and to the merge.
+    let parts = session.results.record.parts.clone().unwrap_or_default();
+    let leg = parts.iter().find(|part| part.region.is_some()).ok_or("there is no limb")?;
+    let (id, region) = (leg.id, leg.region.unwrap_or_default());
+    session.press_button(&format!("#tables tr[data-id=\"{id}\"] button"))?;
+    session.press_button(&format!("#details [aria-label=\"region {region}\"]"))?;
+    session.press_button("#details [aria-label^=\"Show the merge\"]")?;
+    session.shot("merge.png")?;
+    let mode = "document.querySelector('input[name=mode]:checked').value";
+    let mode = session.browser.evaluate(mode)?;
+    let text = session.browser.text("#level-text")?;
+    if mode != "level" || !text.contains("component") {
+        return Err(format!("the merge is shown as {mode}: {text:?}"));
     }
     Ok(())
 }

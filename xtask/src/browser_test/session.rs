@@ -121,6 +121,13 @@ pub fn brightness(png: &[u8]) -> Result<f64, String> {
     Ok(sum / (pixels.len() / samples) as f64)
 }
 
+/// The share of two pictures' bytes that differ clearly.
+pub fn difference(first: &[u8], second: &[u8]) -> Result<f64, String> {
+    let [(p, _), (q, _)] = [decoded(first)?, decoded(second)?];
+    let differ = p.iter().zip(&q).filter(|(a, b)| a.abs_diff(**b) > 8).count();
+    Ok(differ as f64 / p.len().max(1) as f64)
+}
+
 /// The bytes of a picture, and how many a pixel has.
 pub fn decoded(png: &[u8]) -> Result<(Vec<u8>, usize), String> {
     let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().map_err(|e| e.to_string())?;

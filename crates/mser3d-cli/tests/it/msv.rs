@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-use crate::common::{assert_fails, mser3d};
+use crate::common::{assert_fails, mser3d, page_head};
 use mser3d_volumeio::{Affine, Samples, Volume, read_volume, write_nifti};
 
 fn msv(arguments: &[&std::ffi::OsStr]) -> std::process::Output {
@@ -68,6 +68,18 @@ fn a_dark_ball_and_a_bright_box_are_found_where_they_lie() {
     assert!(std::fs::read(out.join("regions.png")).unwrap().starts_with(b"\x89PNG"));
     let page = std::fs::read_to_string(out.join("view.html")).unwrap();
     assert!(page.contains("<title>Stable volumes of v</title>"));
+    // The slices are those of the file; without it the page has none, and says so.
+    let grey = |page: &str| page_head(page)["shapes"][0]["grey"].clone();
+    assert_eq!(grey(&page)["dims"], serde_json::json!(dims));
+    std::fs::rename(&path, folder.path().join("elsewhere.nii.gz")).unwrap();
+    let shown = mser3d([word("view"), out.as_os_str()]);
+    let said = String::from_utf8_lossy(&shown.stderr);
+    assert!(
+        shown.status.success() && said.contains("grey values are not shown") && said.contains("v.nii"),
+        "{said}"
+    );
+    let page = std::fs::read_to_string(out.join("view.html")).unwrap();
+    assert!(grey(&page).is_null() && page.contains("not at hand"));
     let matched = mser3d([word("match"), out.as_os_str(), out.as_os_str()]);
     assert_fails(&matched, 1, &["mser3d msv", "viewed and rendered, but not matched"]);
 }

@@ -5,7 +5,9 @@ use mser3d_viewer::{
     Image, Model, PageData, PageRegion, PageShape, Panel, RegionTraits, RenderOptions, Rgb, Up, page,
     region_colours, render, voxel_surface,
 };
+use mser3d_volumeio::Volume;
 
+use super::grey::page_grey;
 use super::{MsvRegion, MsvResults};
 use crate::ResultsError;
 
@@ -39,11 +41,13 @@ impl MsvResults {
         Ok(render(&Panel::around(&model), options)?)
     }
 
-    /// A page that shows the regions in a browser: their voxels, and the numbers of each.
+    /// A page that shows the regions in a browser: their voxels, the numbers of each, and beside them slices of the volume that
+    /// they were found in, if it is given. Its values are not kept in the folder; read them from
+    /// [`MsvRecord::volume`](super::MsvRecord::volume).
     ///
     /// # Errors
-    /// [`ResultsError::NoRegions`], [`ResultsError::Viewer`].
-    pub fn page(&self, title: &str, up: Up) -> Result<String, ResultsError> {
+    /// [`ResultsError::NoRegions`], [`ResultsError::Viewer`], also for a volume of another size.
+    pub fn page(&self, title: &str, up: Up, volume: Option<&Volume>) -> Result<String, ResultsError> {
         let drawn = self.drawn()?;
         let voxels: f64 = self.record.dims.iter().product::<usize>() as f64;
         let numbered = drawn.regions.iter().enumerate();
@@ -69,6 +73,9 @@ impl MsvResults {
             fact("voxels", format!("{x} x {y} x {z}")),
             fact("mser3d", self.record.mser3d.clone()),
         ];
+        if volume.is_none() {
+            facts.push(fact("grey values", "not shown: the volume was not at hand".to_owned()));
+        }
         facts.extend(
             self.record.searches.iter().map(|search| {
                 fact(&format!("{} regions", search.contrast), search.regions.len().to_string())
@@ -81,6 +88,7 @@ impl MsvResults {
             vertex_voxel: &drawn.vertex_voxel,
             regions: regions.collect(),
             parts: None,
+            grey: volume.map(page_grey),
             trees: Vec::new(),
             facts,
         };

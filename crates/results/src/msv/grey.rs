@@ -43,7 +43,8 @@ mod tests {
 
     #[test]
     fn greys_are_stretched_and_large_volumes_thinned() {
-        let volume = Volume::new([3, 2, 1], 1, Affine::default(), vec![-1.0f64, 0.0, 1.0, f64::NAN, 1.0, -1.0]);
+        let volume =
+            Volume::new([3, 2, 1], 1, Affine::default(), vec![-1.0f64, 0.0, 1.0, f64::NAN, 1.0, -1.0]);
         let grey = page_grey(&volume.unwrap());
         assert_eq!((grey.dims, grey.step), ([3, 2, 1], 1));
         assert_eq!(grey.values, [0, 128, 255, 0, 255, 0]);
@@ -53,6 +54,10 @@ mod tests {
         let volume = Volume::new(dims, 1, Affine::default(), (0..5_000_000).map(value).collect::<Vec<_>>());
         let grey = page_grey(&volume.unwrap());
         assert_eq!((grey.dims, grey.step, grey.values.len()), ([250, 50, 50], 2, 625_000));
-        assert!(grey.values[249] > 250 && (grey.values[125] as i32 - 128).abs() < 4, "{:?}", &grey.values[..250]);
+        assert!(
+            grey.values[249] > 250 && (grey.values[125] as i32 - 128).abs() < 4,
+            "{:?}",
+            &grey.values[..250]
+        );
     }
 }

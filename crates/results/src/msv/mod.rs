@@ -2,6 +2,7 @@
 
 mod draw;
 mod files;
+mod grey;
 mod record;
 
 pub use record::{MSV_RECORD, MsvRecord, MsvRegion, MsvSearch};

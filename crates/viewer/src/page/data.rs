@@ -34,6 +34,8 @@ pub struct PageShape<'a> {
     pub regions: Vec<PageRegion<'a>>,
     /// Its parts, which a page shows first; none where there are none.
     pub parts: Option<PageParts<'a>>,
+    /// The grey values it was found in, shown in slices beside it; none where there are none.
+    pub grey: Option<PageGrey>,
     /// The trees the regions come from, one per time scale; may be empty.
     pub trees: Vec<PageTree<'a>>,
     /// Facts listed below the regions: what they are called and what they are.
@@ -69,6 +71,17 @@ pub struct PageRegion<'a> {
     pub voxels: &'a [u32],
     /// The tree it comes from, by its place in [`PageShape::trees`], and its node there.
     pub node: Option<[u32; 2]>,
+}
+
+/// The grey values of a volume, on the grid of the shape or on every so many of its voxels.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PageGrey {
+    /// How many values there are along the axes of the grid.
+    pub dims: [usize; 3],
+    /// One for every so many voxels along each axis.
+    pub step: usize,
+    /// From 0, dark, to 255, bright, x fastest.
+    pub values: Vec<u8>,
 }
 
 /// The parts of a shape: each vertex and each voxel is in one at most.
@@ -175,6 +188,14 @@ impl PageShape<'_> {
             if let Ok(voxel) = u32::try_from(voxel) {
                 in_range("vertex", number, "voxel", voxel, voxels)?;
             }
+        }
+        if let Some(grey) = &self.grey {
+            let step = grey.step.max(1);
+            let dims = self.grid.map_or([0; 3], |grid| grid.frame().dims().map(|n| n.div_ceil(step)));
+            for (found, expected) in grey.dims.into_iter().zip(dims) {
+                fits("grey values along an axis", found, expected)?;
+            }
+            fits("grey values", grey.values.len(), dims.iter().product())?;
         }
         if let Some(parts) = &self.parts {
             parts.check(self.regions.len(), vertices, voxels)?;

@@ -3,8 +3,8 @@
 use base64::Engine;
 use mser3d_shape::{BitGrid, Frame, TriangleMesh, VoxelGrid};
 use mser3d_viewer::{
-    PALETTE, PageData, PagePart, PageParts, PageRegion, PageShape, PageTree, RegionPair, Up, ViewerError,
-    page,
+    PALETTE, PageData, PageGrey, PagePart, PageParts, PageRegion, PageShape, PageTree, RegionPair, Up,
+    ViewerError, page,
 };
 use serde_json::Value;
 
@@ -69,6 +69,7 @@ fn shape<'a>(mesh: &'a TriangleMesh, grid: &'a VoxelGrid) -> PageShape<'a> {
         vertex_voxel: &[0, 1, 0, -1],
         regions: vec![region(&[0, 1, 3], &[0, 1], 2.0), region(&[1], &[1], 1.0)],
         parts: Some(parts()),
+        grey: Some(PageGrey { dims: [2, 1, 1], step: 1, values: vec![7, 250] }),
         trees: vec![tree()],
         facts: vec![["pitch".into(), "0.5".into()]],
     }
@@ -115,6 +116,8 @@ fn the_page_holds_its_data_and_asks_for_nothing_else() {
     assert_eq!(labels(&one["label"]), [0, 1, -1, 0]);
     assert_eq!(labels(&one["grid"]["label"]), [0, 1]);
     assert_eq!((labels(&one["part"]), labels(&one["grid"]["part"])), (vec![0, 1, -1, 0], vec![0, 1]));
+    let at = one["grey"]["values"]["start"].as_u64().unwrap() as usize;
+    assert_eq!((&one["grey"]["dims"], &bytes[at..at + 2]), (&serde_json::json!([2, 1, 1]), &[7, 250][..]));
     let part = &one["parts"][0];
     assert_eq!((&part["vertices"], &part["voxels"], &part["trunk"]), (&2.into(), &1.into(), &true.into()));
     assert_eq!((&part["twins"], &one["parts"][1]["region"]), (&serde_json::json!([1]), &1.into()));
@@ -177,6 +180,12 @@ fn data_that_do_not_fit_are_named() {
     let mut wrong = good();
     wrong.regions[0].twin = Some(2);
     assert_eq!(error(vec![wrong]), "region 0 names region 2, but there are only 2 (numbered from 0)");
+    let mut wrong = good();
+    wrong.grey = Some(PageGrey { dims: [2, 1, 1], step: 2, values: vec![7, 250] });
+    assert!(error(vec![wrong]).starts_with("grey values along an axis: 2 given, 1 needed"));
+    let mut wrong = good();
+    wrong.grey.as_mut().unwrap().values = vec![];
+    assert!(error(vec![wrong]).starts_with("grey values: 0 given, 2 needed"));
     let with_parts = |change: fn(&mut PageParts<'_>)| {
         let mut wrong = good();
         change(wrong.parts.as_mut().unwrap());
@@ -205,4 +214,74 @@ fn data_that_do_not_fit_are_named() {
     let matches = vec![RegionPair { first: 0, second: 2, distance: 0.1, mistake: false }];
     let pair = PageData { matches, ..data(vec![good(), good()]) };
     assert!(matches!(page(&pair), Err(ViewerError::OutOfRange { what: "match", index: 2, .. })));
+}
+
+/// A sheet of n x n vertices in gentle waves.
+fn sheet(n: u32) -> TriangleMesh {
+    let at = |v: u32| {
+        let [x, y] = [v % n, v / n].map(|i| f64::from(i) / f64::from(n));
+        [x, y, 0.1 * (9.0 * x).sin() * (7.0 * y).cos()]
+    };
+    let cell = |i: u32, j: u32| {
+        let v = j * n + i;
+        [[v, v + 1, v + n], [v + 1, v + n + 1, v + n]]
+    };
+    let triangles = (0..n - 1).flat_map(|j| (0..n - 1).flat_map(move |i| cell(i, j))).collect();
+    TriangleMesh::new((0..n * n).map(at).collect(), triangles).unwrap()
+}
+
+#[test]
+fn pages_stay_small_and_say_what_they_leave_out() {
+    let dims = [36; 3];
+    let frame = Frame::new(dims, [0.0; 3], [1.0 / 36.0; 3]).unwrap();
+    let grid = VoxelGrid::solid(frame, BitGrid::full(dims).unwrap()).unwrap();
+    let voxels = grid.len() as u32;
+    // A chain of nodes, each voxel in its own.
+    let parents: Vec<u32> = (1..voxels).chain([u32::MAX]).collect();
+    let altitudes: Vec<f64> = (0..voxels).map(|v| -f64::from(v)).collect();
+    let volumes: Vec<f64> = (1..=voxels).map(f64::from).collect();
+    let entry: Vec<u32> = (0..voxels).collect();
+    for (n, thinned) in [(224, false), (708, true)] {
+        let mesh = sheet(n);
+        let vertices = n * n;
+        let vertex_voxel: Vec<i32> = (0..vertices).map(|v| (v % voxels) as i32).collect();
+        let rows: Vec<Vec<u32>> = (1..=30).map(|r| (0..vertices / 31 * r).collect()).collect();
+        let cubes: Vec<Vec<u32>> = (1..=30).map(|r| (0..voxels / 31 * r).collect()).collect();
+        let (none, all) = (vec![-1; vertices as usize], vec![0; voxels as usize]);
+        let parts = PageParts { list: parts().list, vertices: &none, voxels: &all };
+        let name = |t: u32| format!("t = {t}");
+        let tree = |t| PageTree {
+            name: name(t),
+            superlevel: true,
+            parents: &parents,
+            altitudes: &altitudes,
+            volumes: &volumes,
+            entry: &entry,
+        };
+        let shape = PageShape {
+            name: "sheet".into(),
+            mesh: &mesh,
+            grid: Some(&grid),
+            vertex_voxel: &vertex_voxel,
+            regions: rows.iter().zip(&cubes).map(|(r, c)| region(r, c, r.len() as f64)).collect(),
+            parts: Some(parts),
+            grey: None,
+            trees: (0..4).map(tree).collect(),
+            facts: vec![],
+        };
+        let html = page(&data(vec![shape])).unwrap();
+        assert!(html.len() < 10_000_000, "{} bytes for {vertices} vertices", html.len());
+        let head: Value = serde_json::from_str(script(&html, "id=\"head\">")).unwrap();
+        let one = &head["shapes"][0];
+        let drawn = one["position"]["length"].as_u64().unwrap() / 3;
+        // Numbers are of all vertices, however many are drawn.
+        assert_eq!(one["regions"][29]["vertices"], rows[29].len());
+        assert_eq!(one["vertexVoxel"]["length"], drawn);
+        if thinned {
+            assert!((30_000..=60_000).contains(&drawn), "{drawn}");
+            assert_eq!(one["facts"][0][1], format!("{drawn} of {vertices} vertices; numbers are of all"));
+        } else {
+            assert_eq!((drawn, one["facts"].as_array().unwrap().len()), (u64::from(vertices), 0));
+        }
+    }
 }
