@@ -53,6 +53,10 @@ pub fn run(args: &DetectArgs) -> Result<(), CliError> {
     }
     let file = args.input.read(&options)?;
     args.options.check(&file)?;
+    if args.write.contains(&Extra::FineSurface) && (args.options.surface || file.mesh().is_none()) {
+        let why = "--write fine-surface needs a mesh that is searched as a volume; here the surface is as fine as it can be";
+        return Err(CliError::Usage(why.into()));
+    }
     let field = args.options.field()?;
     let values = field.as_ref().map(|field| field.on(&file)).transpose()?;
     let output = match &args.output {
@@ -94,6 +98,11 @@ pub fn run(args: &DetectArgs) -> Result<(), CliError> {
 
 /// Each label of a label map as a shape of its own, in a collection of its own.
 fn all_labels(args: &DetectArgs, parameters: Parameters, volumes: ShapeOptions) -> Result<(), CliError> {
+    if args.write.contains(&Extra::FineSurface) {
+        return Err(CliError::Usage(
+            "--write fine-surface needs a mesh; a label map is voxels already".into(),
+        ));
+    }
     if args.html || args.options.surface {
         return Err(CliError::Usage(
             "--html and --surface are for one shape; view each label's folder with mser3d view".into(),
@@ -120,7 +129,7 @@ fn all_labels(args: &DetectArgs, parameters: Parameters, volumes: ShapeOptions) 
         shard: None,
     };
     let summary = run_plan(&args.run, &args.options, &output, &plan, parameters, &batch)?;
-    let on_grid = args.write.iter().any(|extra| *extra != Extra::Eigenfunctions);
+    let on_grid = args.write.iter().any(|extra| [Extra::Nifti, Extra::Landmarks].contains(extra));
     if on_grid && summary.computed + summary.kept > 0 {
         let done = |job: &&Job| !summary.failed.iter().any(|f| f.name == job.name);
         let shapes: Vec<String> = plan.jobs.iter().filter(done).map(|job| job.name.clone()).collect();

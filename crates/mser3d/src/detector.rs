@@ -200,6 +200,12 @@ impl<'a> Detector<'a> {
         course.end(Stage::Descriptors)?;
         let seconds = clock.lap(Stage::Descriptors);
         tracing::info!(regions = regions.len(), seconds, "described regions");
+        if voxelization.is_some() {
+            let regions = regions.iter().filter(|region| region.vertices.is_empty()).count();
+            if regions > 0 {
+                warnings.push(Warning::BetweenVertices { regions });
+            }
+        }
         let mut features = Features {
             parameters: Parameters {
                 polarity: Some(parameters.polarity_with(field.as_ref())),

@@ -49,6 +49,11 @@ impl SurfacePoints {
         Self { places }
     }
 
+    /// Points at places of one's own: of each its triangle, and how much each of its corners counts (barycentric coordinates).
+    pub fn at(places: Vec<(u32, [f64; 3])>) -> Self {
+        Self { places }
+    }
+
     /// How many there are.
     pub fn len(&self) -> usize {
         self.places.len()

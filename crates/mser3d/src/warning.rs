@@ -37,6 +37,11 @@ pub enum Warning {
         /// Since the weight is a field, which deformed copies don't have; otherwise since they would take long.
         of_field: bool,
     },
+    /// Regions hold no vertex of the mesh, which is coarser than they are.
+    BetweenVertices {
+        /// How many.
+        regions: usize,
+    },
     /// The shape, or the smallest of its bodies, is so small that it has fewer eigenpairs than are wanted.
     FewEigenpairs {
         /// How many are wanted.
@@ -96,6 +101,15 @@ impl fmt::Display for Warning {
                 "the reliability of regions was not measured, since deformed copies of so large a shape would take \
                  long; --reliability 6 measures it"
             ),
+            Self::BetweenVertices { regions } => {
+                let (hold, are) =
+                    if *regions == 1 { ("region holds", "it is") } else { ("regions hold", "they are") };
+                write!(
+                    f,
+                    "{regions} {hold} no vertex of so coarse a mesh; {are} in the voxels only (--write fine-surface \
+                     shows them on the surface)"
+                )
+            }
             Self::FewEigenpairs { wanted, available } => write!(
                 f,
                 "there are only {available} eigenpairs in so small a shape, not {wanted}; its descriptors compare \

@@ -65,6 +65,7 @@ mod eigenfunctions;
 mod error;
 mod export;
 mod field_file;
+mod fine_surface;
 mod folder;
 mod front;
 mod inspect;

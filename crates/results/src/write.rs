@@ -18,6 +18,8 @@ mser3d_shape::choice! {
         Landmarks = "landmarks",
         /// The eigenpairs that the regions were found with, eigenfunctions.npz, which a map between two shapes needs
         Eigenfunctions = "eigenfunctions",
+        /// The surface with triangles no larger than a voxel, fine_surface.ply: of a mesh of few vertices, what the voxels have
+        FineSurface = "fine-surface",
     }
 }
 
@@ -28,6 +30,7 @@ impl Extra {
             Self::Nifti => "regions.nii.gz",
             Self::Landmarks => "landmarks.mrk.json",
             Self::Eigenfunctions => "eigenfunctions.npz",
+            Self::FineSurface => "fine_surface.ply",
         }
     }
 }
@@ -136,6 +139,7 @@ impl Results {
                 (Extra::Eigenfunctions, None) => {
                     return Err(ResultsError::NoEigenfunctions { folder: folder.to_owned() });
                 }
+                (Extra::FineSurface, _) => self.write_fine_surface(&path)?,
                 _ => drop(self.export(&path)?),
             }
         }

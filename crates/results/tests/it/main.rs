@@ -3,6 +3,7 @@
 #[path = "../../examples/mesh_to_page.rs"]
 #[allow(dead_code)]
 mod example;
+mod fine_surface;
 mod folder;
 mod front;
 
