@@ -39,6 +39,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
         "600",
     ];
     mser3d(&[&["render", &at("kick"), "-o", &picture("human_cut.png")][..], &views].concat())?;
+    let views = ["--views", "three-quarter,back", "--height", "500"];
+    mser3d(&[&["render", &at("kick"), "-o", &picture("human_sides.png")][..], &views].concat())?;
     mser3d(&["match", &at("rest"), &at("kick"), "-o", &at("match")])?;
     copy(&work.join("match/matches.png"), &pictures.join("human_match.png"))?;
     let shapes = ["human_rest.off", "human_walk.off", "human_wave.off", "quadruped_rest.off"];
