@@ -1,7 +1,7 @@
 //! Text in pictures: captions, numbers and legends, in DejaVu Sans.
 //!
-//! The font has Latin with all its accents, Greek, Cyrillic, Armenian, Georgian, mathematical signs and arrows, 5,900
-//! characters in all. Those that it lacks (Chinese, say) are boxes. Letters stand one after the other, from left to right:
+//! The font has Latin with all its accents, Greek, Cyrillic, Armenian, Georgian, mathematical signs and arrows.
+//! Those that it lacks (Chinese, say) are boxes. Letters stand one after the other, from left to right:
 //! Arabic is not joined and Hebrew not turned around.
 
 use std::sync::LazyLock;
