@@ -7,16 +7,14 @@ use mser3d_collection::{
     BatchParameters, BatchSummary, Frames, Plan, PlanParameters, Shard, Tables, build_tables, plan, run_batch,
 };
 use mser3d_meshio::ReadOptions;
-use mser3d_results::{Extra, ShapeFile, ShapeOptions};
+use mser3d_results::{ShapeFile, ShapeOptions};
 
-use crate::choice::choice;
 use crate::error::{CliError, print, print_json};
 use crate::input::reading;
-use crate::numbers::count;
 use crate::options::RegionOptions;
 use crate::output::folder;
 use crate::progress::BatchMeter;
-use crate::run_options::RunOptions;
+use crate::run_options::{ManyOptions, RunOptions};
 use crate::volume_options::VolumeOptions;
 
 #[derive(clap::Args)]
@@ -37,17 +35,11 @@ pub struct BatchArgs {
     /// Look into the folders in a folder, too
     #[arg(long)]
     pub recursive: bool,
-    /// Write this too, for each shape
-    #[arg(long, value_name = "WHAT,...", value_parser = choice::<Extra>(), value_delimiter = ',')]
-    pub write: Vec<Extra>,
-    /// Shapes in parallel, as far as memory allows [default: one a thread]
-    #[arg(long, value_name = "N", value_parser = count)]
-    pub workers: Option<usize>,
     /// Print the summary as JSON
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
-    pub run: RunOptions,
+    pub many: ManyOptions,
     /// Make a shape of every frame of this glTF animation, by name or number from 0
     #[arg(long, value_name = "NAME", requires = "fps", help_heading = "Input")]
     pub animation: Option<String>,
@@ -65,11 +57,11 @@ pub struct BatchArgs {
 }
 
 pub fn run(args: &BatchArgs) -> Result<(), CliError> {
-    args.run.use_threads()?;
+    args.many.run.use_threads()?;
     if args.merge {
         let tables = build_tables(&args.output)?;
         let summary = BatchSummary { tables: Some(tables), ..Default::default() };
-        return tell(&args.run, args.json, &args.output, &Plan::default(), &summary);
+        return tell(&args.many.run, args.json, &args.output, &Plan::default(), &summary);
     }
     let shard = args.shard.as_deref().map(str::parse::<Shard>).transpose();
     let shard = shard.map_err(|e| CliError::Usage(e.to_string()))?;
@@ -92,13 +84,13 @@ pub fn run(args: &BatchArgs) -> Result<(), CliError> {
         parameters = scaled.map_err(|e| CliError::detection(&file.path, e))?;
     }
     let batch = BatchParameters {
-        workers: args.workers.unwrap_or_else(rayon::current_num_threads),
+        workers: args.many.workers(),
         memory: parameters.spectrum.memory_limit.unwrap_or(u64::MAX),
-        extras: args.write.clone(),
+        extras: args.many.write.clone(),
         shard,
     };
-    let summary = run_plan(&args.run, &args.options, &args.output, &plan, parameters, &batch)?;
-    tell(&args.run, args.json, &args.output, &plan, &summary)
+    let summary = run_plan(&args.many.run, &args.options, &args.output, &plan, parameters, &batch)?;
+    tell(&args.many.run, args.json, &args.output, &plan, &summary)
 }
 
 /// Runs a plan, and tells how far it is.

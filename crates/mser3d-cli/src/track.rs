@@ -8,7 +8,7 @@ use mser3d_collection::{
 };
 use mser3d_fileio::file_stem;
 use mser3d_meshio::ReadOptions;
-use mser3d_results::{Extra, RenderOptions, TrackParameters, TracksRecord, Up};
+use mser3d_results::{RenderOptions, TrackParameters, TracksRecord, Up};
 
 use crate::batch::{run_plan, tell_failures};
 use crate::choice::choice;
@@ -16,7 +16,8 @@ use crate::error::{CliError, print, print_json};
 use crate::interrupt;
 use crate::numbers::{count, fraction, positive};
 use crate::options::RegionOptions;
-use crate::run_options::RunOptions;
+use crate::output::folder;
+use crate::run_options::ManyOptions;
 use crate::volume_options::VolumeOptions;
 
 #[derive(clap::Args)]
@@ -25,7 +26,7 @@ pub struct TrackArgs {
     #[arg(required = true)]
     pub inputs: Vec<PathBuf>,
     /// Folder of the sequence; made if it isn't there
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", value_parser = folder())]
     pub output: PathBuf,
     /// Write a page for the browser too, tracks.html in the folder, on which the sequence plays
     #[arg(long)]
@@ -42,17 +43,11 @@ pub struct TrackArgs {
     /// The axis that points up on the page and in the pictures
     #[arg(long, value_parser = choice::<Up>(), default_value_t = Up::default())]
     pub up: Up,
-    /// Write this too, for each frame
-    #[arg(long, value_name = "WHAT,...", value_parser = choice::<Extra>(), value_delimiter = ',')]
-    pub write: Vec<Extra>,
-    /// Frames in parallel, as far as memory allows [default: one a thread]
-    #[arg(long, value_name = "N", value_parser = count)]
-    pub workers: Option<usize>,
     /// Print the tracks as JSON instead of a table
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
-    pub run: RunOptions,
+    pub many: ManyOptions,
     /// glTF animation, by name or number from 0 [default: the file's only one]
     #[arg(long, value_name = "NAME", help_heading = "Input")]
     pub animation: Option<String>,
@@ -80,7 +75,7 @@ pub struct TrackArgs {
 }
 
 pub fn run(args: &TrackArgs) -> Result<(), CliError> {
-    args.run.use_threads()?;
+    args.many.run.use_threads()?;
     args.options.refuse_field()?;
     if args.volume.all_labels() {
         return Err(CliError::Usage("--label all: a frame is one shape; choose a label".into()));
@@ -109,14 +104,14 @@ pub fn run(args: &TrackArgs) -> Result<(), CliError> {
         args.options.eigenpairs.is_none() && args.options.lambda_max.is_none(),
     )?;
     let batch = BatchParameters {
-        workers: args.workers.unwrap_or_else(rayon::current_num_threads),
+        workers: args.many.workers(),
         memory: parameters.spectrum.memory_limit.unwrap_or(u64::MAX),
-        extras: args.write.clone(),
+        extras: args.many.write.clone(),
         shard: None,
     };
-    let summary = run_plan(&args.run, &args.options, &args.output, &plan, parameters, &batch)?;
+    let summary = run_plan(&args.many.run, &args.options, &args.output, &plan, parameters, &batch)?;
     let tracks = track_results(&args.output, &plan, &tracking, &|_| !interrupt::is_requested())?;
-    if !args.run.quiet {
+    if !args.many.run.quiet {
         let warn = |what: &String| eprintln!("mser3d: warning: {}: {what}", args.output.display());
         tracks.warnings.iter().for_each(warn);
     }
@@ -132,7 +127,7 @@ pub fn run(args: &TrackArgs) -> Result<(), CliError> {
     }
     if args.json {
         print_json(&tracks)?;
-    } else if !args.run.quiet {
+    } else if !args.many.run.quiet {
         print(&table(&tracks, &args.output, &summary))?;
     }
     tell_failures(&summary)

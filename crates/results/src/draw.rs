@@ -2,8 +2,8 @@ use mser3d::comptree::Polarity;
 use mser3d::descriptors::TimeScale;
 use mser3d_viewer::{
     Colours, Cut, Image, LegendEntry, MISTAKE, Model, NO_REGION, PALETTE, PageData, PagePart, PageParts,
-    PageRegion, PageShape, PageTree, Panel, RenderOptions, Rgb, Up, View, ViewerError, linked_colours, page,
-    region_colours, render, render_with_legend,
+    PageRegion, PageShape, PageTree, Panel, RenderOptions, Rgb, Up, View, ViewerError, label_colour,
+    linked_colours, page, region_colours, render, render_with_legend,
 };
 
 use crate::results::traits;
@@ -58,7 +58,7 @@ impl Results {
     pub fn section(&self, cut: &Cut) -> Result<Model, ResultsError> {
         let Some(grid) = &self.grid else { return self.model() };
         let (labels, colours) = (self.vertex_region(), self.colours());
-        let voxels: Vec<Rgb> = self.voxel_region().iter().map(|&l| colour(&colours, l)).collect();
+        let voxels: Vec<Rgb> = self.voxel_region().iter().map(|&l| label_colour(&colours, l)).collect();
         let surface = Colours::Regions { labels: &labels, colours: &colours };
         Ok(Model::from_section(&self.mesh, surface, grid, &voxels, cut)?)
     }
@@ -70,7 +70,7 @@ impl Results {
     pub fn voxel_model(&self, cut: Option<&Cut>) -> Result<Option<Model>, ResultsError> {
         let Some(grid) = &self.grid else { return Ok(None) };
         let colours = self.colours();
-        let voxels: Vec<Rgb> = self.voxel_region().iter().map(|&l| colour(&colours, l)).collect();
+        let voxels: Vec<Rgb> = self.voxel_region().iter().map(|&l| label_colour(&colours, l)).collect();
         Ok(Some(Model::from_voxels(grid, &voxels, cut)?))
     }
 
@@ -92,17 +92,20 @@ impl Results {
         })
     }
 
-    /// One sheet: the regions from four sides and, of a volume, inside.
+    /// One sheet: the regions from four sides, the body's own front first, and, of a volume, inside.
     ///
     /// # Errors
     /// [`ResultsError::Viewer`].
     pub fn sheet(&self, options: &RenderOptions) -> Result<Image, ResultsError> {
         let model = self.model()?;
+        let front = self.front(options.up).unwrap_or(0.0);
         let mut panels = Panel::around(&model);
-        let cut = self.cut(None, 0.5, options.up, 0.0).filter(|_| self.grid.is_some());
+        panels.iter_mut().for_each(|panel| panel.view = panel.view.turned(front));
+        let cut = self.cut(None, 0.5, options.up, front).filter(|_| self.grid.is_some());
         let inside = cut.map(|cut| self.section(&cut)).transpose()?;
         if let Some(model) = &inside {
-            panels.push(Panel { model, view: View::THREE_QUARTER, caption: "inside".to_owned() });
+            let view = View::THREE_QUARTER.turned(front);
+            panels.push(Panel { model, view, caption: "inside".to_owned() });
         }
         Ok(render_with_legend(&panels, &self.legend("region"), options)?)
     }
@@ -176,19 +179,32 @@ impl Results {
         let mut models = Vec::with_capacity(order.len());
         for region in &order {
             let vertices = &self.region_vertices[region.id as usize];
-            let mut labels = vec![-1; self.mesh.vertices().len()];
-            vertices.iter().for_each(|&v| labels[v as usize] = 0);
             let colour = PALETTE[0].tone(traits[region.id as usize].side);
-            let view = View::facing(&self.mesh, vertices, options.up, &views).unwrap_or(views[0]);
+            let (model, view) = self.one_region(&plain, vertices, colour, options.up, views)?;
             let sure = region.reliability.map_or_else(String::new, |sure| format!(", found again {sure:.2}"));
             let caption = format!("{}: {:.1} %{sure}", region.id, 100.0 * region.volume_fraction);
-            models.push((plain.with_regions(&labels, &[colour])?, view, caption));
+            models.push((model, view, caption));
         }
         let panels: Vec<Panel<'_>> = models
             .iter()
             .map(|(model, view, caption)| Panel { model, view: *view, caption: caption.clone() })
             .collect();
         Ok(render(&panels, options)?)
+    }
+
+    /// One region in a colour on the plain shape, and the view that it faces most.
+    fn one_region(
+        &self,
+        plain: &Model,
+        vertices: &[u32],
+        colour: Rgb,
+        up: Up,
+        views: [View; 2],
+    ) -> Result<(Model, View), ResultsError> {
+        let mut labels = vec![-1; self.mesh.vertices().len()];
+        vertices.iter().for_each(|&v| labels[v as usize] = 0);
+        let view = View::facing(&self.mesh, vertices, up, &views).unwrap_or(views[0]);
+        Ok((plain.with_regions(&labels, &[colour])?, view))
     }
 
     /// One picture per wanted region: that region in its colour on the grey shape, from before or from
@@ -210,11 +226,8 @@ impl Results {
                 index: region.into(),
                 count: self.region_vertices.len(),
             })?;
-            let mut labels = vec![-1; self.mesh.vertices().len()];
-            vertices.iter().for_each(|&v| labels[v as usize] = 0);
-            let model = &plain.with_regions(&labels, &[colour])?;
-            let view = View::facing(&self.mesh, vertices, options.up, &BOTH_SIDES).unwrap_or(BOTH_SIDES[0]);
-            Ok(render(&[Panel { model, view, caption: String::new() }], options)?)
+            let (model, view) = self.one_region(&plain, vertices, colour, options.up, BOTH_SIDES)?;
+            Ok(render(&[Panel { model: &model, view, caption: String::new() }], options)?)
         };
         wanted.iter().enumerate().map(|(number, &(region, colour))| picture(number, region, colour)).collect()
     }
@@ -413,8 +426,4 @@ pub fn matched_colours(first: &Results, second: &Results, matches: &[RegionPair]
         }
     }
     [colours, others]
-}
-
-fn colour(colours: &[Rgb], label: i32) -> Rgb {
-    usize::try_from(label).ok().and_then(|l| colours.get(l)).copied().unwrap_or(NO_REGION)
 }

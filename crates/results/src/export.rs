@@ -3,7 +3,7 @@ use std::path::Path;
 use mser3d_meshio::{
     MeshIoError, VertexAttributes, VoxelField, VoxelValues, write_glb, write_ply, write_vti, write_vtp,
 };
-use mser3d_viewer::NO_REGION;
+use mser3d_viewer::label_colour;
 
 use crate::label_map::LabelMap;
 use crate::landmarks::write_landmarks;
@@ -75,10 +75,17 @@ impl Results {
         &self,
         write: impl FnOnce(&VertexAttributes<'_>) -> Result<T, MeshIoError>,
     ) -> Result<T, MeshIoError> {
-        let regions = self.vertex_region();
+        self.with_labels(&self.vertex_region(), write)
+    }
+
+    /// The same for vertices with these labels.
+    pub(crate) fn with_labels<T>(
+        &self,
+        regions: &[i32],
+        write: impl FnOnce(&VertexAttributes<'_>) -> Result<T, MeshIoError>,
+    ) -> Result<T, MeshIoError> {
         let colours = self.colours();
-        let colour = |&label: &i32| usize::try_from(label).map_or(NO_REGION, |l| colours[l]).0;
-        let colors: Vec<[u8; 3]> = regions.iter().map(colour).collect();
-        write(&VertexAttributes { colors: Some(&colors), regions: Some(&regions), normals: None })
+        let colors: Vec<[u8; 3]> = regions.iter().map(|&label| label_colour(&colours, label).0).collect();
+        write(&VertexAttributes { colors: Some(&colors), regions: Some(regions), normals: None })
     }
 }

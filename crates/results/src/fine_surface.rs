@@ -4,10 +4,9 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use mser3d::SurfacePoints;
-use mser3d_meshio::{VertexAttributes, write_ply};
+use mser3d_meshio::write_ply;
 use mser3d_shape::TriangleMesh;
 use mser3d_shape::vector::{norm, sub};
-use mser3d_viewer::NO_REGION;
 
 use crate::{Results, ResultsError};
 
@@ -58,11 +57,7 @@ impl Results {
     /// Writes [`Results::fine_surface`] with colour and region of each vertex.
     pub(crate) fn write_fine_surface(&self, path: &Path) -> Result<(), ResultsError> {
         let (mesh, labels) = self.fine_surface(path)?;
-        let colours = self.colours();
-        let colour = |&label: &i32| usize::try_from(label).map_or(NO_REGION, |l| colours[l]).0;
-        let colors: Vec<[u8; 3]> = labels.iter().map(colour).collect();
-        let attributes = VertexAttributes { colors: Some(&colors), regions: Some(&labels), normals: None };
-        Ok(write_ply(path, &mesh, &attributes)?)
+        Ok(self.with_labels(&labels, |attributes| write_ply(path, &mesh, attributes))?)
     }
 }
 

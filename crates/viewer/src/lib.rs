@@ -71,7 +71,7 @@ pub use mser3d_shape::InvalidParameter;
 pub use page::{PageData, PageGrey, PagePart, PageParts, PageRegion, PageShape, PageTree, RegionPair, page};
 pub use palette::{Hue, MISTAKE, NO_REGION, PALETTE, sequential, sequential_colours};
 pub use png;
-pub use region_colours::{RegionTraits, linked_colours, region_colours};
+pub use region_colours::{RegionTraits, label_colour, linked_colours, region_colours};
 pub use render::{Panel, render, render_with_legend};
 pub use render_options::RenderOptions;
 pub use rgb::Rgb;

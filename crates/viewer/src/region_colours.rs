@@ -208,6 +208,11 @@ pub fn linked_colours(first: &[Rgb], matches: &[[u32; 2]], second_regions: usize
     colours
 }
 
+/// The colour of a region by its label; [`NO_REGION`] for a negative one, and for one without a colour.
+pub fn label_colour(colours: &[Rgb], label: i32) -> Rgb {
+    usize::try_from(label).ok().and_then(|l| colours.get(l)).copied().unwrap_or(NO_REGION)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,7 +2,7 @@ use std::path::Path;
 
 use mser3d_meshio::{Moment, write_moving_glb};
 use mser3d_results::{Identity, Results, TracksRecord};
-use mser3d_viewer::{NO_REGION, frame_milliseconds};
+use mser3d_viewer::{frame_milliseconds, label_colour};
 
 use super::lasting::{colours, lasting_tracks};
 use crate::CollectionError;
@@ -40,7 +40,7 @@ pub fn track_glb(folder: &Path) -> Result<(), CollectionError> {
         return Err(refuse("has a result of one frame only, which is no motion"));
     };
     let of_tracks = colours(&record);
-    let colour = |&track: &i32| usize::try_from(track).map_or(NO_REGION, |track| of_tracks[track]).0;
+    let colour = |&track: &i32| label_colour(&of_tracks, track).0;
     let colours: Vec<[u8; 3]> = lasting_tracks(&first, &record).iter().map(colour).collect();
     Ok(write_moving_glb(&folder.join(GLB), &first.mesh, &moments, &colours)?)
 }

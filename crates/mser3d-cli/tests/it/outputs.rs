@@ -80,9 +80,13 @@ fn files_of_other_endings_are_refused_before_anything_is_read() {
 fn a_folder_is_not_named_like_a_file_unless_it_is_there() {
     let folder = tempfile::tempdir().unwrap();
     let says = "this is to be a folder, and the name is that of a file";
-    for command in
-        ["match nowhere nowhere -o", "detect nowhere.off -o", "msv nowhere.npy -o", "batch nowhere.off -o"]
-    {
+    for command in [
+        "match nowhere nowhere -o",
+        "detect nowhere.off -o",
+        "msv nowhere.npy -o",
+        "batch nowhere.off -o",
+        "track nowhere.off -o",
+    ] {
         let run = |name: &str| {
             let path = folder.path().join(name);
             mser3d(command.split(' ').chain([path.to_str().unwrap()]))
