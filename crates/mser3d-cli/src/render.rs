@@ -7,7 +7,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use mser3d::shape::Choice;
 use mser3d_fileio::write_atomically;
 use mser3d_results::msv::MsvResults;
-use mser3d_results::{Image, RenderOptions, Results, ResultsError, Up};
+use mser3d_results::{Background, Drawing, Image, RenderOptions, Results, ResultsError, Up};
 use mser3d_viewer::{NamedView, Panel, View, render_with_legend};
 
 use crate::choice::choice;
@@ -36,9 +36,15 @@ pub struct RenderArgs {
     /// Axis that the cut of inside and voxels runs across [default: the shorter horizontal one]
     #[arg(long, value_enum, value_name = "AXIS")]
     pub cut_axis: Option<Axis>,
-    /// Where it cuts: 0 leaves nothing, 1 all
-    #[arg(long, value_name = "SHARE", default_value_t = 0.5)]
-    pub cut_at: f64,
+    /// Where it cuts: 0 leaves nothing, 1 all [default: where half of the volume is left]
+    #[arg(long, value_name = "SHARE")]
+    pub cut_at: Option<f64>,
+    /// What is behind the shape
+    #[arg(long, value_parser = choice::<Background>(), default_value_t = Background::default())]
+    pub background: Background,
+    /// Show where x, y and z point
+    #[arg(long)]
+    pub axes: bool,
     /// Axis that points up
     #[arg(long, value_parser = choice::<Up>(), default_value_t = Up::default())]
     pub up: Up,
@@ -108,6 +114,8 @@ pub fn run(args: &RenderArgs) -> Result<(), CliError> {
         columns: args.columns,
         up: args.up,
         scale_bar: true,
+        background: args.background,
+        axes: args.axes,
         ..RenderOptions::default()
     };
     let (picture, name) = if MsvResults::is_in(&args.folder) && args.show.is_none() {
@@ -169,11 +177,12 @@ fn draw(
         return Err(CliError::Usage("--views inside and voxels need a volume, and this is a surface".into()));
     }
     let cut = results.cut(args.cut_axis.map(|axis| axis as usize), args.cut_at, args.up, front);
-    let surface = results.numbered_model(&results.colours())?;
+    let (drawing, colours) = (Drawing::new(results)?, results.colours());
+    let surface = drawing.numbered(&colours)?;
     let mut open = None;
     let mut voxels = None;
     if shots.contains(&Shot::Inside) {
-        open = cut.as_ref().map(|cut| results.section(cut)).transpose()?;
+        open = cut.as_ref().map(|cut| drawing.section(&colours, cut)).transpose()?;
     }
     if shots.contains(&Shot::Voxels) {
         voxels = results.voxel_model(cut.as_ref())?;

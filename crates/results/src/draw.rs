@@ -1,13 +1,13 @@
 use mser3d::comptree::Polarity;
 use mser3d::descriptors::TimeScale;
 use mser3d_viewer::{
-    Colours, Cut, Image, LegendEntry, MISTAKE, Model, NO_REGION, PALETTE, PageData, PagePart, PageParts,
-    PageRegion, PageShape, PageTree, Panel, RenderOptions, Rgb, Up, View, ViewerError, label_colour,
-    linked_colours, page, region_colours, render, render_with_legend,
+    Cut, Image, LegendEntry, MISTAKE, Model, NO_REGION, PALETTE, PageData, PagePart, PageParts, PageRegion,
+    PageShape, PageTree, Panel, RenderOptions, Rgb, Up, View, ViewerError, label_colour, linked_colours,
+    page, region_colours, render, render_with_legend,
 };
 
 use crate::results::traits;
-use crate::{PartRecord, RegionRecord, Results, ResultsError, left_and_right};
+use crate::{Drawing, PartRecord, RegionRecord, Results, ResultsError, left_and_right};
 
 pub use mser3d_viewer::RegionPair;
 
@@ -15,54 +15,6 @@ pub use mser3d_viewer::RegionPair;
 const BOTH_SIDES: [View; 2] = [View::THREE_QUARTER, View { azimuth: 215.0, elevation: 12.0 }];
 
 impl Results {
-    /// The surface with its regions in their colours.
-    ///
-    /// # Errors
-    /// [`ResultsError::Viewer`].
-    pub fn model(&self) -> Result<Model, ResultsError> {
-        self.coloured_model(&self.colours())
-    }
-
-    /// The same with the number of each region that has a colour of its own written on it.
-    ///
-    /// # Errors
-    /// [`ResultsError::Viewer`].
-    pub fn numbered_model(&self, colours: &[Rgb]) -> Result<Model, ResultsError> {
-        let number = |r: &RegionRecord| {
-            let mut region = r;
-            // What has the colour of the region around it has its number too.
-            for _ in 0..colours.len() {
-                let same = |p: &u32| colours[*p as usize] == colours[region.id as usize];
-                let Some(parent) = region.parent.filter(same) else { break };
-                region = &self.record.regions[parent as usize];
-            }
-            if colours[region.id as usize] == NO_REGION { String::new() } else { region.id.to_string() }
-        };
-        let numbers = self.record.regions.iter().map(number).collect();
-        Ok(self.coloured_model(colours)?.with_labels(numbers))
-    }
-
-    /// The same with other colours, such as those of another shape's matched regions.
-    ///
-    /// # Errors
-    /// [`ResultsError::Viewer`], also when there is not one colour per region.
-    pub fn coloured_model(&self, colours: &[Rgb]) -> Result<Model, ResultsError> {
-        let labels = self.vertex_region();
-        Ok(Model::from_mesh(&self.mesh, Colours::Regions { labels: &labels, colours })?)
-    }
-
-    /// The surface cut open, and the regions inside. Of a surface without voxels, only cut.
-    ///
-    /// # Errors
-    /// [`ResultsError::Viewer`].
-    pub fn section(&self, cut: &Cut) -> Result<Model, ResultsError> {
-        let Some(grid) = &self.grid else { return self.model() };
-        let (labels, colours) = (self.vertex_region(), self.colours());
-        let voxels: Vec<Rgb> = self.voxel_region().iter().map(|&l| label_colour(&colours, l)).collect();
-        let surface = Colours::Regions { labels: &labels, colours: &colours };
-        Ok(Model::from_section(&self.mesh, surface, grid, &voxels, cut)?)
-    }
-
     /// The voxels in the colours of their regions, those beyond a cut left out; `None` for a surface.
     ///
     /// # Errors
@@ -74,22 +26,37 @@ impl Results {
         Ok(Some(Model::from_voxels(grid, &voxels, cut)?))
     }
 
-    /// A plane that opens the shape towards a viewer before it: across an axis (0 to 2), by default
-    /// the shorter horizontal one, leaving a share of the extent, 0 to 1. `front` is the azimuth of the front ([`Results::front`]).
-    pub fn cut(&self, axis: Option<usize>, kept: f64, up: Up, front: f64) -> Option<Cut> {
+    /// A plane that opens the shape towards a viewer before it: across an axis (0 to 2), by default the shorter horizontal one, leaving a
+    /// share of the extent, 0 to 1; by default half of the volume, which lies in the trunk wherever limbs reach. `front` is the azimuth of the
+    /// front ([`Results::front`]).
+    pub fn cut(&self, axis: Option<usize>, kept: Option<f64>, up: Up, front: f64) -> Option<Cut> {
         let bounds = self.mesh.bounding_box()?;
         let [right, vertical, toward] = up.axes();
         let depth = if toward[2] == 0.0 { 1 } else { 2 };
         let extent = bounds.extent();
         let shorter = if extent[0] < extent[depth] { 0 } else { depth };
-        let axis = axis.unwrap_or(shorter);
+        let axis = axis.unwrap_or(shorter).min(2);
         let (sin, cos) = View::THREE_QUARTER.turned(front).azimuth.to_radians().sin_cos();
         let viewer = cos * toward[axis] + sin * right[axis] + vertical[axis];
-        Some(if viewer >= 0.0 {
-            Cut::across(&bounds, axis, kept)
-        } else {
-            Cut::across(&bounds, axis, 1.0 - kept).flipped()
-        })
+        let across = |share: f64| Cut::across(&bounds, axis, share);
+        let seen_from_behind = viewer < 0.0;
+        let cut = match kept {
+            Some(kept) if seen_from_behind => across(1.0 - kept),
+            Some(kept) => across(kept),
+            None => {
+                let middle = self.middle(axis).unwrap_or(0.5 * (bounds.min[axis] + bounds.max[axis]));
+                Cut { offset: middle, ..across(0.5) }
+            }
+        };
+        Some(if seen_from_behind { cut.flipped() } else { cut })
+    }
+
+    /// Where along an axis half of the voxels lie on either side, between two of their layers.
+    fn middle(&self, axis: usize) -> Option<f64> {
+        let grid = self.grid.as_ref()?;
+        let mut centres: Vec<f64> = grid.voxels().map(|voxel| grid.frame().centre(voxel)[axis]).collect();
+        centres.sort_by(f64::total_cmp);
+        Some(centres.get(centres.len() / 2)? + 0.5 * grid.frame().spacing()[axis])
     }
 
     /// One sheet: the regions from four sides, the body's own front first, and, of a volume, inside.
@@ -97,12 +64,14 @@ impl Results {
     /// # Errors
     /// [`ResultsError::Viewer`].
     pub fn sheet(&self, options: &RenderOptions) -> Result<Image, ResultsError> {
-        let model = self.model()?;
+        let drawing = Drawing::new(self)?;
+        let colours = self.colours();
+        let model = drawing.regions(&colours)?;
         let front = self.front(options.up).unwrap_or(0.0);
         let mut panels = Panel::around(&model);
         panels.iter_mut().for_each(|panel| panel.view = panel.view.turned(front));
-        let cut = self.cut(None, 0.5, options.up, front).filter(|_| self.grid.is_some());
-        let inside = cut.map(|cut| self.section(&cut)).transpose()?;
+        let cut = self.cut(None, None, options.up, front).filter(|_| self.grid.is_some());
+        let inside = cut.map(|cut| drawing.section(&colours, &cut)).transpose()?;
         if let Some(model) = &inside {
             let view = View::THREE_QUARTER.turned(front);
             panels.push(Panel { model, view, caption: "inside".to_owned() });
@@ -130,10 +99,7 @@ impl Results {
     /// A line for each region and its twin that have a colour of their own; the colours' text is that of their numbers.
     fn legend_of(&self, colours: &[Rgb], text: impl Fn(&[u32]) -> String, rest: &str) -> Vec<LegendEntry> {
         let regions = &self.record.regions;
-        let own = |r: &RegionRecord| {
-            let colour = colours[r.id as usize];
-            colour != NO_REGION && r.parent.is_none_or(|parent| colours[parent as usize] != colour)
-        };
+        let own = |r: &RegionRecord| has_own_colour(r, colours);
         let mut entries: Vec<LegendEntry> = regions
             .iter()
             .filter(|r| own(r) && r.twin.is_none_or(|twin| r.id < twin || !own(&regions[twin as usize])))
@@ -172,15 +138,15 @@ impl Results {
         let mut order: Vec<&RegionRecord> = regions.iter().collect();
         let sure = |r: &RegionRecord| r.reliability.unwrap_or(0.0);
         order.sort_by(|a, b| sure(b).total_cmp(&sure(a)).then(a.id.cmp(&b.id)));
-        let plain = Model::from_mesh(&self.mesh, Colours::Uniform(NO_REGION))?;
+        let drawing = Drawing::new(self)?;
         let traits = self.traits();
         let front = self.front(options.up).unwrap_or(0.0);
         let views = BOTH_SIDES.map(|view| view.turned(front));
         let mut models = Vec::with_capacity(order.len());
         for region in &order {
-            let vertices = &self.region_vertices[region.id as usize];
             let colour = PALETTE[0].tone(traits[region.id as usize].side);
-            let (model, view) = self.one_region(&plain, vertices, colour, options.up, views)?;
+            let model = drawing.one(region.id, colour)?;
+            let view = self.facing(region.id, options.up, views);
             let sure = region.reliability.map_or_else(String::new, |sure| format!(", found again {sure:.2}"));
             let caption = format!("{}: {:.1} %{sure}", region.id, 100.0 * region.volume_fraction);
             models.push((model, view, caption));
@@ -192,19 +158,10 @@ impl Results {
         Ok(render(&panels, options)?)
     }
 
-    /// One region in a colour on the plain shape, and the view that it faces most.
-    fn one_region(
-        &self,
-        plain: &Model,
-        vertices: &[u32],
-        colour: Rgb,
-        up: Up,
-        views: [View; 2],
-    ) -> Result<(Model, View), ResultsError> {
-        let mut labels = vec![-1; self.mesh.vertices().len()];
-        vertices.iter().for_each(|&v| labels[v as usize] = 0);
-        let view = View::facing(&self.mesh, vertices, up, &views).unwrap_or(views[0]);
-        Ok((plain.with_regions(&labels, &[colour])?, view))
+    /// The view that a region faces most.
+    fn facing(&self, region: u32, up: Up, views: [View; 2]) -> View {
+        let vertices = &self.region_vertices[region as usize];
+        View::facing(&self.mesh, vertices, up, &views).unwrap_or(views[0])
     }
 
     /// One picture per wanted region: that region in its colour on the grey shape, from before or from
@@ -217,16 +174,14 @@ impl Results {
         wanted: &[(u32, Rgb)],
         options: &RenderOptions,
     ) -> Result<Vec<Image>, ResultsError> {
-        let plain = Model::from_mesh(&self.mesh, Colours::Uniform(NO_REGION))?;
+        let drawing = Drawing::new(self)?;
         let picture = |number: usize, region: u32, colour: Rgb| {
-            let vertices = self.region_vertices.get(region as usize).ok_or(ViewerError::OutOfRange {
-                what: "picture",
-                number,
-                target: "region",
-                index: region.into(),
-                count: self.region_vertices.len(),
-            })?;
-            let (model, view) = self.one_region(&plain, vertices, colour, options.up, BOTH_SIDES)?;
+            let count = self.region_vertices.len();
+            if region as usize >= count {
+                let (what, target, index) = ("picture", "region", region.into());
+                return Err(ViewerError::OutOfRange { what, number, target, index, count }.into());
+            }
+            let (model, view) = (drawing.one(region, colour)?, self.facing(region, options.up, BOTH_SIDES));
             Ok(render(&[Panel { model: &model, view, caption: String::new() }], options)?)
         };
         wanted.iter().enumerate().map(|(number, &(region, colour))| picture(number, region, colour)).collect()
@@ -272,7 +227,10 @@ impl Results {
         options: &RenderOptions,
     ) -> Result<Image, ResultsError> {
         let [first, second] = matched_colours(self, other, matches);
-        let models = [self.numbered_model(&first)?, other.numbered_model(&second)?];
+        let models = [
+            self.matched_model(&first, matches.iter().map(|pair| pair.first))?,
+            other.matched_model(&second, matches.iter().map(|pair| pair.second))?,
+        ];
         let names = [self.name(), other.name()];
         let fronts = [self, other].map(|results| results.front(options.up).unwrap_or(0.0));
         let panel = |view: View, shape: usize| Panel {
@@ -290,12 +248,37 @@ impl Results {
         let title = format!("regions of {} - {}:", self.name(), other.name());
         let mut legend = vec![LegendEntry { colours: Vec::new(), text: title }];
         legend.extend(self.legend_of(&first, partner_of, "not matched"));
+        let inner = |pair: &&RegionPair| {
+            let region = self.record.regions.get(pair.first as usize);
+            region.is_some_and(|region| !has_own_colour(region, &first))
+        };
+        let inner: Vec<String> =
+            matches.iter().filter(inner).map(|pair| format!("{} - {}", pair.first, pair.second)).collect();
+        if !inner.is_empty() {
+            let text = format!("in the colour around them: {}", inner.join(", "));
+            legend.push(LegendEntry { colours: Vec::new(), text });
+        }
         let mistakes: Vec<u32> = matches.iter().filter(|m| m.mistake).map(|m| m.second).collect();
         if !mistakes.is_empty() {
             let text = format!("matched wrongly: {}", numbers(&mistakes));
             legend.push(LegendEntry { colours: vec![MISTAKE], text });
         }
         Ok(render_with_legend(&panels, &legend, options)?)
+    }
+
+    /// The surface with the numbers of these regions on it.
+    fn matched_model(
+        &self,
+        colours: &[Rgb],
+        matched: impl Iterator<Item = u32>,
+    ) -> Result<Model, ResultsError> {
+        let mut numbers = vec![String::new(); colours.len()];
+        for region in matched {
+            if let Some(number) = numbers.get_mut(region as usize) {
+                *number = region.to_string();
+            }
+        }
+        Ok(Drawing::new(self)?.regions(colours)?.with_labels(numbers))
     }
 
     /// These results as one shape of a page.
@@ -386,6 +369,12 @@ impl Results {
         facts.push(fact("mser3d", self.record.mser3d.clone()));
         facts
     }
+}
+
+/// Whether a region has another colour than what is around it.
+fn has_own_colour(region: &RegionRecord, colours: &[Rgb]) -> bool {
+    let colour = colours[region.id as usize];
+    colour != NO_REGION && region.parent.is_none_or(|parent| colours[parent as usize] != colour)
 }
 
 fn numbers(ids: &[u32]) -> String {

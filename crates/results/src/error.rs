@@ -182,6 +182,9 @@ pub enum ResultsError {
         /// Vertices of the mesh the features belong to.
         expected: usize,
     },
+    /// The voxels that places of the surface see cannot be found.
+    #[error(transparent)]
+    Sight(#[from] mser3d::Error),
     /// A shape cannot be put together.
     #[error(transparent)]
     Shape(#[from] mser3d_shape::ShapeError),

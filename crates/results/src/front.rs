@@ -10,7 +10,10 @@ use crate::{PartRecord, Results};
 const CLEAR: f64 = 3.0;
 /// How far from the trunk's centre a head's neck is, as a share of the trunk's length, where the body looks along its trunk.
 const HEAD_AHEAD: f64 = 0.25;
-/// How far a foot reaches before its ankle, as a share of the leg's height.
+/// How far ahead a neck is on a body that stands on four legs, at least, as a multiple of how far it is above the trunk's centre: one that
+/// leans on two legs has its head ahead too, or behind.
+const HEAD_LEVEL: f64 = 0.5;
+/// How far a foot reaches before its shin, as a share of the leg's height.
 const TOES_AHEAD: f64 = 0.02;
 
 impl Results {
@@ -42,12 +45,12 @@ impl Results {
         // At a right angle to the direction across.
         let ahead = [-angle.sin(), angle.cos()];
         let along = |v: Vec3| level(v)[0] * ahead[0] + level(v)[1] * ahead[1];
-        let sign = self.head(parts, &joints, along).or_else(|| self.toes(parts, up, along))?;
+        let sign = self.head(parts, &joints, up, along).or_else(|| self.toes(parts, up, along))?;
         Some((sign * ahead[0]).atan2(sign * ahead[1]).to_degrees())
     }
 
     /// Where each part meets a trunk.
-    fn joints(&self, parts: &[PartRecord]) -> Vec<Option<Vec3>> {
+    pub(crate) fn joints(&self, parts: &[PartRecord]) -> Vec<Option<Vec3>> {
         let mut sums = vec![([0.0; 3], 0.0); parts.len()];
         let part =
             |v: u32| usize::try_from(self.vertex_part[v as usize]).ok().filter(|&part| part < parts.len());
@@ -71,6 +74,7 @@ impl Results {
         &self,
         parts: &[PartRecord],
         joints: &[Option<Vec3>],
+        up: Vec3,
         along: impl Fn(Vec3) -> f64,
     ) -> Option<f64> {
         // Parts are sorted by volume.
@@ -84,8 +88,11 @@ impl Results {
                 (low, high) = (low.min(x), high.max(x));
             }
         }
-        let ahead = along(sub(joints[head.id as usize]?, trunk.centroid)) / (high - low);
-        (ahead.abs() > HEAD_AHEAD).then_some(ahead.signum())
+        let from_centre = sub(joints[head.id as usize]?, trunk.centroid);
+        let ahead = along(from_centre);
+        let far =
+            ahead.abs() > HEAD_AHEAD * (high - low) && ahead.abs() > HEAD_LEVEL * dot(from_centre, up).abs();
+        far.then_some(ahead.signum())
     }
 
     /// 1 if the toes of the lowest limb point ahead, -1 if back, none if neither.
@@ -99,18 +106,37 @@ impl Results {
             let low = |list: &Vec<u32>| list.iter().map(height).fold(f64::INFINITY, f64::min);
             low(a).total_cmp(&low(b))
         })?;
-        let low = lowest.iter().map(height).fold(f64::INFINITY, f64::min);
-        let high = lowest.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
-        let middle = |from: f64, to: f64| {
-            let band = low + from * (high - low)..low + to * (high - low);
-            let places: Vec<f64> = lowest
-                .iter()
-                .filter(|v| band.contains(&height(v)))
-                .map(|&v| along(self.mesh.vertices()[v as usize]))
-                .collect();
-            (!places.is_empty()).then(|| places.iter().sum::<f64>() / places.len() as f64)
+        // From the side: how far ahead, and how high.
+        let side_view = |v: &u32| [along(self.mesh.vertices()[*v as usize]), height(v)];
+        let leg: Vec<[f64; 2]> = lowest.iter().map(side_view).collect();
+        // A leg may lean: heights are measured along its shin, and the foot is compared with where the shin meets the ground.
+        let [ankle, calf] = [middle(&leg, 0.12, 0.2)?, middle(&leg, 0.24, 0.4)?];
+        let (x, y) = (calf[0] - ankle[0], calf[1] - ankle[1]);
+        let shin = [x / x.hypot(y), y / x.hypot(y)];
+        let along_shin = |p: &[f64; 2]| {
+            let [x, y] = [p[0] - ankle[0], p[1] - ankle[1]];
+            [x * shin[1] - y * shin[0], x * shin[0] + y * shin[1]]
         };
-        let ahead = (middle(0.0, 0.08)? - middle(0.12, 0.3)?) / (high - low);
+        let leg: Vec<[f64; 2]> = leg.iter().map(along_shin).collect();
+        let ahead = middle(&leg, 0.0, 0.08)?[0] / extent(&leg).1;
         (ahead.abs() > TOES_AHEAD).then_some(ahead.signum())
     }
+}
+
+/// The lowest height, and how far it is from there to the highest.
+fn extent(side_view: &[[f64; 2]]) -> (f64, f64) {
+    let heights = side_view.iter().map(|p| p[1]);
+    let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), h| (a.min(h), b.max(h)));
+    (low, high - low)
+}
+
+/// The middle of what is between two heights, shares of the whole from its lowest point on.
+fn middle(side_view: &[[f64; 2]], from: f64, to: f64) -> Option<[f64; 2]> {
+    let (low, whole) = extent(side_view);
+    let inside = |p: &&[f64; 2]| (low + from * whole..low + to * whole).contains(&p[1]);
+    let (count, sum) = side_view
+        .iter()
+        .filter(inside)
+        .fold((0.0, [0.0; 2]), |(count, [x, y]), p| (count + 1.0, [x + p[0], y + p[1]]));
+    (count > 0.0).then(|| sum.map(|x| x / count))
 }

@@ -61,6 +61,7 @@
 #![warn(missing_docs)]
 
 mod draw;
+mod drawing;
 mod eigenfunctions;
 mod error;
 mod export;
@@ -84,6 +85,7 @@ mod volume_file;
 mod write;
 
 pub use draw::{RegionPair, matched_colours};
+pub use drawing::Drawing;
 pub use eigenfunctions::Eigenfunctions;
 pub use error::ResultsError;
 pub use export::EXPORT_ENDINGS;
@@ -92,7 +94,7 @@ pub use folder::ResultsFolder;
 pub use inspect::{Inspection, ValuesRecord};
 pub use label_map::LabelMap;
 pub use landmarks::write_landmarks;
-pub use mser3d_viewer::{Image, RenderOptions, Up};
+pub use mser3d_viewer::{Background, Image, RenderOptions, Up};
 pub use oriented_box::OrientedBox;
 pub use record::{
     FORMAT, GridRecord, InputRecord, PartRecord, Record, RegionRecord, SearchedBodyRecord, SpectrumRecord,

@@ -1,4 +1,9 @@
+use mser3d_shape::vector::{Vec3, add, dot, scale, sub, unit};
+
 use crate::{PartRecord, RegionRecord, Results, ResultsError};
+
+/// The cosine from which a direction is the one across the body, forwards or back.
+const ALONG: f64 = 0.7;
 
 impl Results {
     /// The same with the parts in place of the regions, to draw them and to give them to other programs as regions are. What
@@ -25,7 +30,10 @@ impl Results {
     /// The parts as far as they are like regions; none where there are none.
     pub(crate) fn part_records(&self) -> Option<Vec<RegionRecord>> {
         let parts = self.record.parts.as_ref()?;
-        Some(parts.iter().map(|part| as_region(part, parts, &self.record.regions)).collect())
+        let mut records: Vec<RegionRecord> =
+            parts.iter().map(|part| as_region(part, parts, &self.record.regions)).collect();
+        add_sides(&mut records, &self.joints(parts));
+        Some(records)
     }
 }
 
@@ -62,6 +70,34 @@ fn as_region(part: &PartRecord, parts: &[PartRecord], regions: &[RegionRecord]) 
         oriented_box: part.oriented_box,
         track: None,
         colour: None,
+    }
+}
+
+/// Gives twins whose sides no region tells those of the other twins: the sides on which they meet the trunk.
+fn add_sides(parts: &mut [RegionRecord], joints: &[Option<Vec3>]) {
+    let pairs: Vec<[usize; 2]> = parts
+        .iter()
+        .filter_map(|part| {
+            part.twin.filter(|twin| part.id < *twin).map(|twin| [part.id as usize, twin as usize])
+        })
+        .collect();
+    let between = |[a, b]: [usize; 2]| Some(unit(sub(joints[a]?, joints[b]?)));
+    let mut across = [0.0; 3];
+    for &[a, b] in &pairs {
+        match [parts[a].side, parts[b].side] {
+            [Some(side), None] => parts[b].side = Some(-side),
+            [None, Some(side)] => parts[a].side = Some(-side),
+            _ => {}
+        }
+        if let (Some(p), Some(q), Some(direction)) = (parts[a].side, parts[b].side, between([a, b])) {
+            across = add(across, scale(direction, 0.5 * (p - q)));
+        }
+    }
+    for [a, b] in pairs {
+        let cosine = between([a, b]).map_or(0.0, |direction| dot(direction, unit(across)));
+        if parts[a].side.is_none() && parts[b].side.is_none() && cosine.abs() > ALONG {
+            (parts[a].side, parts[b].side) = (Some(cosine), Some(-cosine));
+        }
     }
 }
 

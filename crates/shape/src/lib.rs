@@ -42,6 +42,7 @@ mod parameter;
 mod random;
 mod runs;
 mod split;
+mod subdivision;
 pub mod vector;
 mod word_tree;
 
@@ -59,6 +60,7 @@ pub use mesh::{BoundingBox, TriangleMesh};
 pub use nearest::NearestVoxels;
 pub use parameter::InvalidParameter;
 pub use random::SplitMix64;
+pub use subdivision::Subdivision;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -3,6 +3,7 @@
 use mser3d_shape::vector::Vec3;
 use rayon::prelude::*;
 
+use crate::axes::draw_axes;
 use crate::camera::Camera;
 use crate::labels::draw_labels;
 use crate::lighting::{Surface, light};
@@ -34,7 +35,7 @@ pub(crate) fn draw_panel(
     options: &RenderOptions,
 ) -> Result<Image, ViewerError> {
     let [width, height] = place.size;
-    let mut image = Image::new(width, height, options.background)?;
+    let mut image = Image::new(width, height, options.background.colour())?;
     let n = options.supersampling;
     let origin = place.shift.map(|s| s * n as f64);
     let per_length = place.scale * n as f64;
@@ -57,6 +58,9 @@ pub(crate) fn draw_panel(
     let chunks = image.pixels_mut().par_chunks_mut(BAND * width).enumerate();
     chunks.for_each(|(band, pixels)| artist.draw_band(band as i64 * rows, &bands[band], pixels));
     draw_labels(&mut image, model, place, options);
+    if options.axes {
+        draw_axes(&mut image, &place.camera, options.letters(), options.background.ink());
+    }
     Ok(image)
 }
 
@@ -77,7 +81,7 @@ impl Artist<'_> {
         }
         let n = self.options.supersampling;
         let share = 1.0 / (n * n) as f32;
-        let background = self.options.background.linear();
+        let background = self.options.background.colour().linear();
         // Lines look at the rows around the band too.
         let rows = (pixels.len() * n * n) as i64;
         let samples =

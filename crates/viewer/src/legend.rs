@@ -12,9 +12,6 @@ pub struct LegendEntry {
     pub text: String,
 }
 
-/// The colour of captions and legends.
-pub(crate) const INK: Rgb = Rgb::hex(0x333333);
-
 /// Entries in rows that are no wider than the sheet.
 pub(crate) struct Legend<'a> {
     /// Of each row the entries, with their left ends.
@@ -47,7 +44,7 @@ impl<'a> Legend<'a> {
     }
 
     /// Draws it from a row of pixels on.
-    pub fn draw(&self, sheet: &mut Image, top: usize) {
+    pub fn draw(&self, sheet: &mut Image, top: usize, ink: Rgb) {
         let letters = self.letters;
         for (row, entries) in self.rows.iter().enumerate() {
             let baseline = top + (2 * row + 1) * letters + letters / 2;
@@ -60,7 +57,7 @@ impl<'a> Legend<'a> {
                     }
                 }
                 let text = left + entry.colours.len() * step(letters) + letters / 2;
-                write_text(sheet, &entry.text, [text as f64, baseline as f64], letters as f64, INK);
+                write_text(sheet, &entry.text, [text as f64, baseline as f64], letters as f64, ink);
             }
         }
     }
@@ -88,11 +85,18 @@ pub(crate) fn round_length(pixels: f64, scale: f64) -> Option<(f64, String)> {
 }
 
 /// Draws a bar with its length written over it; `[left, baseline]` is where it begins.
-pub(crate) fn draw_bar(sheet: &mut Image, place: [usize; 2], width: usize, name: &str, letters: usize) {
+pub(crate) fn draw_bar(
+    sheet: &mut Image,
+    place: [usize; 2],
+    width: usize,
+    name: &str,
+    letters: usize,
+    ink: Rgb,
+) {
     let [left, bottom] = place;
     let pen = (letters / 8).max(1);
     let mut bar = |width: usize, height: usize, left: usize, top: usize| {
-        if let Ok(bar) = Image::new(width, height, INK) {
+        if let Ok(bar) = Image::new(width, height, ink) {
             sheet.paste(&bar, left, top);
         }
     };
@@ -101,7 +105,7 @@ pub(crate) fn draw_bar(sheet: &mut Image, place: [usize; 2], width: usize, name:
         bar(pen, letters / 2, end, (bottom + pen).saturating_sub(letters / 2));
     }
     let text = left as f64 + (width as f64 - text_width(name, letters as f64)) / 2.0;
-    write_text(sheet, name, [text.max(0.0), bottom.saturating_sub(letters / 2) as f64], letters as f64, INK);
+    write_text(sheet, name, [text.max(0.0), bottom.saturating_sub(letters / 2) as f64], letters as f64, ink);
 }
 
 #[cfg(test)]

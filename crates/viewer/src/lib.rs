@@ -32,6 +32,8 @@
 #![warn(missing_docs)]
 
 mod animation;
+mod axes;
+mod borders;
 mod camera;
 mod cut;
 mod draw_panel;
@@ -73,7 +75,7 @@ pub use palette::{Hue, MISTAKE, NO_REGION, PALETTE, sequential, sequential_colou
 pub use png;
 pub use region_colours::{RegionTraits, label_colour, linked_colours, region_colours};
 pub use render::{Panel, render, render_with_legend};
-pub use render_options::RenderOptions;
+pub use render_options::{Background, RenderOptions};
 pub use rgb::Rgb;
 pub use section::voxel_surface;
 pub use sequence_page::{SequenceFrame, SequencePage, SequenceTrack, TrackPoint};

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use mser3d_shape::vector::{Vec3, scale, sub};
-use mser3d_shape::{BoundingBox, TriangleMesh, VoxelGrid};
+use mser3d_shape::vector::{Vec3, scale, sub, unit};
+use mser3d_shape::{BoundingBox, Graph, Subdivision, TriangleMesh, VoxelGrid};
 
+use crate::borders::{self, Shares};
 use crate::cut::Cut;
 use crate::occlusion::openness;
 use crate::section::{Filling, is_closed};
@@ -40,6 +41,8 @@ pub struct Model {
     pub(crate) openness: Vec<f32>,
     /// Index of each vertex into `colours`.
     pub(crate) paint: Vec<u32>,
+    /// Where borders are smooth, how much of each vertex belongs to which of `colours`; else empty.
+    pub(crate) shares: Vec<Shares>,
     pub(crate) colours: Vec<[f32; 3]>,
     /// Whether colours are mixed between vertices; otherwise each place takes the prevailing one.
     pub(crate) blend: bool,
@@ -103,6 +106,7 @@ impl Model {
             normals: corners,
             openness,
             paint: Vec::new(),
+            shares: Vec::new(),
             colours: Vec::new(),
             blend,
             section: None,
@@ -126,8 +130,56 @@ impl Model {
     pub fn with_regions(&self, labels: &[i32], colours: &[Rgb]) -> Result<Self, ViewerError> {
         fits("labels per vertex", labels.len(), self.points.len())?;
         let paint = region_paint(labels, colours.len())?;
-        let palette = [NO_REGION].iter().chain(colours).map(|colour| colour.linear()).collect();
-        Ok(Self { colours: palette, paint, blend: false, section: None, labels: Vec::new(), ..self.clone() })
+        let colours = [NO_REGION].iter().chain(colours).map(|colour| colour.linear()).collect();
+        let (shares, labels) = (Vec::new(), Vec::new());
+        Ok(Self { colours, paint, shares, blend: false, section: None, labels, ..self.clone() })
+    }
+
+    /// The same surface in smaller triangles, for regions whose borders run through the triangles. It looks the same: normals and light are those of the
+    /// surface before. Of one colour until [`Model::with_regions`] gives it regions.
+    ///
+    /// # Errors
+    /// [`ViewerError::SizeMismatch`] unless this is the whole surface of the mesh that was divided.
+    pub fn divided(&self, divided: &Subdivision) -> Result<Self, ViewerError> {
+        let own = divided.mesh().vertices().iter().zip(&self.points).take_while(|(a, b)| a == b).count();
+        fits("vertices of the mesh that was divided", own, self.points.len())?;
+        let own = divided.pieces().last().map_or(0, |(triangle, _)| *triangle as usize + 1);
+        fits("triangles of the mesh that was divided", own, self.triangles.len())?;
+        let corners = |triangle: u32| self.triangles[triangle as usize].map(|v| self.openness[v as usize]);
+        let light = |(triangle, weights): &(u32, [f64; 3])| {
+            corners(*triangle).iter().zip(weights).map(|(light, w)| light * *w as f32).sum()
+        };
+        let normal = |(triangle, corners): &(u32, [[f64; 3]; 3])| {
+            let whole = &self.normals[*triangle as usize];
+            let at =
+                |axis: usize, w: &[f64; 3]| (0..3).map(|i| w[i] * f64::from(whole[i][axis])).sum::<f64>();
+            corners.map(|weights| unit(std::array::from_fn(|axis| at(axis, &weights))).map(|x| x as f32))
+        };
+        let mesh = divided.mesh();
+        Ok(Self {
+            points: mesh.vertices().to_vec(),
+            triangles: mesh.triangles().to_vec(),
+            normals: divided.pieces().iter().map(normal).collect(),
+            openness: divided.places().iter().map(light).collect(),
+            paint: vec![0; mesh.vertices().len()],
+            colours: vec![NO_REGION.linear()],
+            ..Self::empty()
+        })
+    }
+
+    /// The same with borders between regions that run smoothly: labels are averaged over a length along the surface, in the unit of its coordinates
+    /// (a standard deviation), and each place takes the one that has most there.
+    #[must_use]
+    pub fn with_smooth_borders(self, length: f64) -> Self {
+        if self.blend {
+            return self;
+        }
+        let sides = |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]];
+        let edges: Vec<[u32; 2]> = self.triangles.iter().flat_map(sides).collect();
+        // Triangles were checked when the model was made.
+        let Ok(edges) = Graph::from_edges(self.points.len(), &edges) else { return self };
+        let shares = borders::smoothed(&self.points, &edges, &self.paint, length);
+        Self { shares, ..self }
     }
 
     /// The same with a text on each region, such as its number; empty for none. Regions with one text count as one. It is written
@@ -170,20 +222,32 @@ impl Model {
         voxel_colours: &[Rgb],
         cut: &Cut,
     ) -> Result<Self, ViewerError> {
+        Self::from_mesh(mesh, colours)?.cut_open(grid, voxel_colours, cut)
+    }
+
+    /// A surface that is there already, cut open as by [`Model::from_section`].
+    ///
+    /// # Errors
+    /// As [`Model::from_voxels`].
+    pub fn cut_open(
+        mut self,
+        grid: &VoxelGrid,
+        voxel_colours: &[Rgb],
+        cut: &Cut,
+    ) -> Result<Self, ViewerError> {
         fits("colours per voxel", voxel_colours.len(), grid.len())?;
         cut.check()?;
-        let mut model = Self::from_mesh(mesh, colours)?;
-        let clipped = model.triangles.len();
-        let filling = if is_closed(mesh) && !grid.is_empty() {
+        let clipped = self.triangles.len();
+        let filling = if is_closed(&self.triangles) && !grid.is_empty() {
             let voxels: Vec<u32> = (0..grid.len() as u32).collect();
-            let paint = model.intern(voxel_colours, &voxels);
+            let paint = self.intern(voxel_colours, &voxels);
             Some(Filling { grid: grid.clone(), paint })
         } else {
-            model.add_polygons(&section::cut_face(grid, cut), voxel_colours);
+            self.add_polygons(&section::cut_face(grid, cut), voxel_colours);
             None
         };
-        model.section = Some(Section { cut: *cut, clipped, filling });
-        Ok(model)
+        self.section = Some(Section { cut: *cut, clipped, filling });
+        Ok(self)
     }
 
     fn empty() -> Self {
@@ -193,6 +257,7 @@ impl Model {
             normals: Vec::new(),
             openness: Vec::new(),
             paint: Vec::new(),
+            shares: Vec::new(),
             colours: Vec::new(),
             blend: false,
             section: None,
@@ -228,6 +293,9 @@ impl Model {
             let first = self.points.len() as u32;
             self.points.extend(corners);
             self.paint.extend(std::iter::repeat_n(paint, corners.len()));
+            if !self.shares.is_empty() {
+                self.shares.extend(std::iter::repeat_n(borders::whole(paint), corners.len()));
+            }
             self.openness.extend(std::iter::repeat_n(1.0, corners.len()));
             for i in 2..corners.len() as u32 {
                 self.triangles.push([first, first + i - 1, first + i]);

@@ -2,9 +2,10 @@
 
 use mser3d_shape::vector::{dot, sub};
 
+use crate::axes::corner;
 use crate::camera::{NamedView, Up, View};
 use crate::draw_panel::{Placement, draw_panel};
-use crate::legend::{INK, Legend, LegendEntry, draw_bar, round_length};
+use crate::legend::{Legend, LegendEntry, draw_bar, round_length};
 use crate::render_options::RenderOptions;
 use crate::text::{text_width, write_text};
 use crate::{Image, Model, ViewerError};
@@ -69,13 +70,15 @@ pub fn render_with_legend(
     let scale = inner / unit;
     let border = options.height as f64 * options.margin;
 
-    let letters = options.letters();
+    let (letters, ink) = (options.letters(), options.background.ink());
+    // Axes stand to the left of the shape.
+    let gutter = if options.axes { corner(letters).ceil() } else { 0.0 };
     let captioned = panels.iter().any(|p| !p.caption.is_empty());
     let footer = if captioned { letters * 5 / 2 } else { 0 };
     let columns = if options.columns == 0 { panels.len() } else { options.columns.min(panels.len()) };
     let rows = panels.len().div_ceil(columns);
     let width_of = |i: usize| {
-        let shape = (extents[i].high[0] - extents[i].low[0]) * scale + 2.0 * border;
+        let shape = (extents[i].high[0] - extents[i].low[0]) * scale + 2.0 * border + gutter;
         (shape.ceil() as usize).max(text_width(&panels[i].caption, letters as f64).ceil() as usize + letters)
     };
     let widths: Vec<usize> =
@@ -90,7 +93,7 @@ pub fn render_with_legend(
     let legend = Legend::new(legend, width.saturating_sub(taken), letters);
     let below = legend.height().max(if bar.is_some() { 3 * letters } else { 0 });
     let bottom = rows * (height + footer);
-    let mut sheet = Image::new(width, bottom + below, options.background)?;
+    let mut sheet = Image::new(width, bottom + below, options.background.colour())?;
     for (i, panel) in panels.iter().enumerate() {
         let (row, column) = (i / columns, i % columns);
         let width = widths[column];
@@ -99,7 +102,10 @@ pub fn render_with_legend(
             camera: panel.view.camera(options.up),
             centre: extents[i].centre,
             scale,
-            shift: [width as f64 / 2.0 - middle[0] * scale, height as f64 / 2.0 + middle[1] * scale],
+            shift: [
+                (width as f64 + gutter) / 2.0 - middle[0] * scale,
+                height as f64 / 2.0 + middle[1] * scale,
+            ],
             size: [width, height],
             // Depth jumps are judged against the shape, not the sheet.
             depth_unit: unit,
@@ -107,11 +113,12 @@ pub fn render_with_legend(
         let picture = draw_panel(panel.model, &placement, options)?;
         let (left, top) = (widths[..column].iter().sum::<usize>(), row * (height + footer));
         sheet.paste(&picture, left, top);
-        let text_left = left as f64 + (width as f64 - text_width(&panel.caption, letters as f64)) / 2.0;
+        let text_left =
+            left as f64 + (width as f64 + gutter - text_width(&panel.caption, letters as f64)) / 2.0;
         let baseline = (top + height) as f64 + 1.2 * letters as f64;
-        write_text(&mut sheet, &panel.caption, [text_left, baseline], letters as f64, INK);
+        write_text(&mut sheet, &panel.caption, [text_left, baseline], letters as f64, ink);
     }
-    legend.draw(&mut sheet, bottom);
+    legend.draw(&mut sheet, bottom, ink);
     if let Some((bar, name)) = bar {
         draw_bar(
             &mut sheet,
@@ -119,6 +126,7 @@ pub fn render_with_legend(
             bar,
             &name,
             letters,
+            ink,
         );
     }
     Ok(sheet)

@@ -5,6 +5,35 @@ use mser3d_shape::InvalidParameter;
 use crate::camera::Up;
 use crate::{Rgb, ViewerError};
 
+mser3d_shape::choice! {
+    /// What is behind a picture.
+    pub enum Background("background") {
+        /// White, for print
+        #[default]
+        White = "white",
+        /// Nearly black, for slides and dark pages
+        Dark = "dark",
+    }
+}
+
+impl Background {
+    /// Its colour.
+    pub(crate) fn colour(self) -> Rgb {
+        match self {
+            Self::White => Rgb::WHITE,
+            Self::Dark => Rgb::hex(0x16181c),
+        }
+    }
+
+    /// The colour of letters on it.
+    pub(crate) fn ink(self) -> Rgb {
+        match self {
+            Self::White => Rgb::hex(0x333333),
+            Self::Dark => Rgb::hex(0xc8ccd2),
+        }
+    }
+}
+
 /// How pictures are drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderOptions {
@@ -16,8 +45,8 @@ pub struct RenderOptions {
     pub supersampling: usize,
     /// The axis that points up.
     pub up: Up,
-    /// Colour behind the shapes.
-    pub background: Rgb,
+    /// What is behind the shapes; letters are dark on white and light on dark.
+    pub background: Background,
     /// Empty border around each shape, as a fraction of the panel's height, 0 to 0.4.
     pub margin: f64,
     /// Strength of ambient occlusion, 0 to 1: dark folds and contacts.
@@ -28,6 +57,8 @@ pub struct RenderOptions {
     pub caption_size: Option<usize>,
     /// Whether a bar of round length is drawn below, at the right: 1, 2 or 5 times a power of ten, in the mesh's unit.
     pub scale_bar: bool,
+    /// Whether each panel shows at the lower left where x, y and z point.
+    pub axes: bool,
 }
 
 impl Default for RenderOptions {
@@ -37,12 +68,13 @@ impl Default for RenderOptions {
             columns: 0,
             supersampling: 3,
             up: Up::Y,
-            background: Rgb::WHITE,
+            background: Background::White,
             margin: 0.04,
             occlusion: 0.8,
             lines: 0.6,
             caption_size: None,
             scale_bar: false,
+            axes: false,
         }
     }
 }

@@ -174,9 +174,8 @@ impl Filling {
 }
 
 /// Whether each edge has as many triangles on one side as on the other: such a surface has an inside.
-pub(crate) fn is_closed(mesh: &TriangleMesh) -> bool {
-    let mut edges: Vec<(u32, u32, i32)> = mesh
-        .triangles()
+pub(crate) fn is_closed(triangles: &[[u32; 3]]) -> bool {
+    let mut edges: Vec<(u32, u32, i32)> = triangles
         .iter()
         .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
         .map(|(a, b)| (a.min(b), a.max(b), if a < b { 1 } else { -1 }))
@@ -194,12 +193,12 @@ mod tests {
     #[test]
     fn a_sphere_is_closed_until_a_triangle_is_gone_or_flipped() {
         let sphere = test_shapes::sphere(6, 8);
-        assert!(is_closed(&sphere));
+        assert!(is_closed(sphere.triangles()));
         let mut triangles = sphere.triangles().to_vec();
         triangles[3].swap(0, 1);
-        assert!(!is_closed(&TriangleMesh::new(sphere.vertices().to_vec(), triangles.clone()).unwrap()));
+        assert!(!is_closed(&triangles));
         triangles.swap_remove(3);
-        assert!(!is_closed(&TriangleMesh::new(sphere.vertices().to_vec(), triangles).unwrap()));
+        assert!(!is_closed(&triangles));
     }
 
     #[test]

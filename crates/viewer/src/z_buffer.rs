@@ -3,6 +3,7 @@
 use mser3d_shape::vector::{Vec3, add, dot, scale, sub};
 
 use crate::Model;
+use crate::borders;
 use crate::camera::Camera;
 use crate::model::Section;
 use crate::raster::{Gradient, ScreenPoint, UNIT, doubled_area, scan};
@@ -196,21 +197,18 @@ impl<'a> Projection<'a> {
         [[p, b, c], [a, p, c], [a, b, p]].map(|t| doubled_area(&t) as f64 / area)
     }
 
-    /// The colour whose vertices weigh most: borders become straight lines across triangles.
+    /// The colour that weighs most: borders become straight lines across triangles.
     fn prevailing_paint(&self, triangle: u32, x: i64, y: i64) -> u32 {
-        let paint @ [p, q, r] = self.model.triangles[triangle as usize].map(|v| self.model.paint[v as usize]);
-        if p == q && q == r {
-            return p;
+        let model = self.model;
+        let vertices = model.triangles[triangle as usize].map(|v| v as usize);
+        let paint = vertices.map(|v| model.paint[v]);
+        let smooth = !model.shares.is_empty();
+        if !smooth && paint[0] == paint[1] && paint[1] == paint[2] {
+            return paint[0];
         }
-        let w = self.weights(&self.corners(triangle), x, y);
-        let total = |colour: u32| (0..3).filter(|&i| paint[i] == colour).map(|i| w[i]).sum::<f64>();
-        let [a, b, c] = paint.map(total);
-        if a >= b && a >= c {
-            p
-        } else if b >= c {
-            q
-        } else {
-            r
-        }
+        let weights = self.weights(&self.corners(triangle), x, y);
+        let whole = paint.map(borders::whole);
+        let shares = [0, 1, 2].map(|i| if smooth { &model.shares[vertices[i]] } else { &whole[i] });
+        borders::prevailing(shares, weights)
     }
 }

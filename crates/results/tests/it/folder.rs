@@ -218,13 +218,30 @@ fn features_of_another_mesh_are_refused() {
 fn a_cut_opens_the_side_that_the_viewer_sees() {
     // The dumbbell lies along x, from -3 to 3; y and z span -1 to 1.
     let cut = |axis, kept, up| VOLUME.cut(axis, kept, up, 0.0).unwrap();
-    assert_eq!(cut(None, 0.5, Up::Y).normal, [0.0, 0.0, 1.0]);
-    assert_eq!(cut(None, 0.5, Up::Z).normal, [0.0, -1.0, 0.0]);
-    let (front, side) = (cut(None, 0.75, Up::Z), cut(Some(0), 0.75, Up::Z));
+    assert_eq!(cut(None, Some(0.5), Up::Y).normal, [0.0, 0.0, 1.0]);
+    assert_eq!(cut(None, Some(0.5), Up::Z).normal, [0.0, -1.0, 0.0]);
+    let (front, side) = (cut(None, Some(0.75), Up::Z), cut(Some(0), Some(0.75), Up::Z));
     assert!((front.offset - 0.5).abs() < 0.02, "{front:?}");
     assert_eq!((side.normal, side.offset), ([1.0, 0.0, 0.0], 1.5));
     // From behind the other half goes.
-    assert_eq!(VOLUME.cut(None, 0.5, Up::Y, 180.0).unwrap().normal, [0.0, 0.0, -1.0]);
+    assert_eq!(VOLUME.cut(None, Some(0.5), Up::Y, 180.0).unwrap().normal, [0.0, 0.0, -1.0]);
+}
+
+#[test]
+fn a_cut_leaves_half_of_the_volume_wherever_limbs_reach() {
+    let grid = VOLUME.grid.as_ref().unwrap();
+    let mut long = VOLUME.clone();
+    // A vertex far away: the box is longer, the volume is where it was.
+    let mut vertices = long.mesh.vertices().to_vec();
+    vertices.push([40.0, 0.0, 0.0]);
+    long.mesh = TriangleMesh::new(vertices, long.mesh.triangles().to_vec()).unwrap();
+    for results in [&*VOLUME, &long] {
+        let cut = results.cut(Some(0), None, Up::Y, 0.0).unwrap();
+        let kept = grid.voxels().filter(|&voxel| grid.frame().centre(voxel)[0] <= cut.offset).count();
+        let share = kept as f64 / grid.len() as f64;
+        // A layer of voxels is a twentieth at most.
+        assert!((share - 0.5).abs() < 0.06, "{share}");
+    }
 }
 
 #[test]

@@ -62,7 +62,7 @@ pub(crate) fn shape_json(shape: &PageShape<'_>, pack: &mut Pack) -> Value {
     json!({
         "name": shape.name,
         "facts": facts,
-        "closed": is_closed(mesh),
+        "closed": is_closed(mesh.triangles()),
         "position": pack.f32(positions),
         "triangle": pack.u32(mesh.triangles().iter().flatten().copied()),
         "open": pack.u8(open),

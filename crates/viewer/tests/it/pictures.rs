@@ -1,8 +1,8 @@
 //! Facts about whole pictures.
 
-use mser3d_shape::{BitGrid, Frame, TriangleMesh, VoxelGrid};
+use mser3d_shape::{BitGrid, Frame, Subdivision, TriangleMesh, VoxelGrid};
 use mser3d_viewer::{
-    Colours, Cut, Gallery, GalleryPicture, GalleryRow, Image, Model, NO_REGION, PALETTE, Panel,
+    Background, Colours, Cut, Gallery, GalleryPicture, GalleryRow, Image, Model, NO_REGION, PALETTE, Panel,
     RenderOptions, Rgb, View, ViewerError, gallery, render,
 };
 
@@ -221,6 +221,85 @@ fn colouring_anew_is_as_good_as_making_anew() {
     }
     assert!(matches!(made.with_regions(&labels[1..], &middles()), Err(ViewerError::SizeMismatch { .. })));
     assert!(matches!(made.with_regions(&labels, &middles()[..1]), Err(ViewerError::OutOfRange { .. })));
+}
+
+/// How many pixels differ by more than a shade.
+fn different(a: &Image, b: &Image) -> usize {
+    let far = |p: &Rgb, q: &Rgb| p.0.iter().zip(&q.0).any(|(p, q)| p.abs_diff(*q) > 8);
+    a.pixels().iter().zip(b.pixels()).filter(|(p, q)| far(p, q)).count()
+}
+
+#[test]
+fn a_divided_surface_looks_the_same_and_takes_regions_of_its_own() {
+    let torus = torus();
+    let options = RenderOptions { height: 200, ..RenderOptions::default() };
+    let whole = Model::from_mesh(&torus, Colours::Uniform(NO_REGION)).unwrap();
+    let fine = Subdivision::new(&torus, 0.02, usize::MAX).unwrap();
+    let divided = whole.divided(&fine).unwrap();
+    let [before, after] = [&whole, &divided].map(|model| draw(model, View::THREE_QUARTER, &options));
+    assert!(different(&before, &after) < before.pixels().len() / 500);
+
+    // A region between the vertices of the torus.
+    let first = torus.vertices().len();
+    let labels: Vec<i32> =
+        (0..fine.mesh().vertices().len()).map(|v| if v < first { -1 } else { 0 }).collect();
+    let red = middles()[0];
+    let seen = draw(&divided.with_regions(&labels, &[red]).unwrap(), View::THREE_QUARTER, &options);
+    assert!(different(&seen, &after) > before.pixels().len() / 20);
+
+    let other = TriangleMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]).unwrap();
+    let other = Subdivision::new(&other, 0.02, usize::MAX).unwrap();
+    assert!(matches!(whole.divided(&other), Err(ViewerError::SizeMismatch { .. })));
+}
+
+#[test]
+fn a_smooth_border_is_shorter_than_a_jagged_one() {
+    let torus = torus();
+    // Half of the torus, the border a step to and fro from vertex to vertex.
+    let label = |(v, p): (usize, &[f64; 3])| i32::from(p[0] > if v % 2 == 0 { 0.08 } else { -0.08 });
+    let labels: Vec<i32> = torus.vertices().iter().enumerate().map(label).collect();
+    let regions = Colours::Regions { labels: &labels, colours: &middles() };
+    let rough = Model::from_mesh(&torus, regions).unwrap();
+    let smooth = rough.clone().with_smooth_borders(0.15);
+    let options =
+        RenderOptions { height: 300, supersampling: 1, lines: 0.0, occlusion: 0.0, ..Default::default() };
+    // How often neighbouring pixels are of different regions.
+    let length = |model: &Model| {
+        let image = draw(model, View::TOP, &options);
+        let (first, second) = (middles()[0], middles()[1]);
+        let nearer = |p: &Rgb| -> Option<bool> {
+            let far = |q: Rgb| p.0.iter().zip(q.0).map(|(a, b)| u32::from(a.abs_diff(b))).sum::<u32>();
+            (*p != Rgb::WHITE).then(|| far(first) < far(second))
+        };
+        let sides: Vec<Option<bool>> = image.pixels().iter().map(nearer).collect();
+        let changes = |a: Option<bool>, b: Option<bool>| a.is_some() && b.is_some() && a != b;
+        let width = image.width();
+        (0..sides.len() - width).filter(|&i| changes(sides[i], sides[i + width])).count()
+    };
+    // The straight border runs up and down the picture: seen along columns, it hardly changes.
+    assert!(length(&rough) > 40, "{}", length(&rough));
+    assert!(length(&smooth) < length(&rough) / 3, "{} of {}", length(&smooth), length(&rough));
+}
+
+#[test]
+fn on_a_dark_ground_letters_are_light_and_axes_have_room() {
+    let model = Model::from_mesh(&torus(), Colours::Uniform(NO_REGION)).unwrap();
+    let panel = Panel { model: &model, view: View::FRONT, caption: "front".into() };
+    let white = RenderOptions { height: 120, ..RenderOptions::default() };
+    let dark = RenderOptions { background: Background::Dark, ..white.clone() };
+    let axes = RenderOptions { axes: true, ..dark.clone() };
+    let [on_white, on_dark, with_axes] =
+        [white, dark, axes].map(|options| render(std::slice::from_ref(&panel), &options).unwrap());
+    let light = |image: &Image| {
+        let bottom = image.width() * (image.height() - 15);
+        let luminance = |p: &Rgb| p.0.iter().map(|c| u32::from(*c)).sum::<u32>() / 3;
+        let least = image.pixels()[bottom..].iter().map(luminance).min().unwrap();
+        (least, image.pixels()[bottom..].iter().map(luminance).max().unwrap())
+    };
+    assert_eq!(light(&on_white).1, 255);
+    assert!(light(&on_white).0 < 120);
+    assert!(light(&on_dark).0 < 40 && light(&on_dark).1 > 120, "{:?}", light(&on_dark));
+    assert!(with_axes.width() > on_dark.width() + 60);
 }
 
 #[test]
