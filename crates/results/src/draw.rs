@@ -11,6 +11,8 @@ use crate::{Drawing, PartRecord, RegionRecord, Results, ResultsError, left_and_r
 
 pub use mser3d_viewer::RegionPair;
 
+/// How much of its colour a region loses that is never found again.
+const FAINT: f32 = 0.7;
 /// From before and from behind.
 const BOTH_SIDES: [View; 2] = [View::THREE_QUARTER, View { azimuth: 215.0, elevation: 12.0 }];
 
@@ -99,7 +101,8 @@ impl Results {
     /// A line for each region and its twin that have a colour of their own; the colours' text is that of their numbers.
     fn legend_of(&self, colours: &[Rgb], text: impl Fn(&[u32]) -> String, rest: &str) -> Vec<LegendEntry> {
         let regions = &self.record.regions;
-        let own = |r: &RegionRecord| has_own_colour(r, colours);
+        let own_colours = self.with_own_colour(colours);
+        let own = |r: &RegionRecord| own_colours[r.id as usize];
         let mut entries: Vec<LegendEntry> = regions
             .iter()
             .filter(|r| own(r) && r.twin.is_none_or(|twin| r.id < twin || !own(&regions[twin as usize])))
@@ -128,7 +131,7 @@ impl Results {
         entries
     }
 
-    /// Each region by itself, by falling reliability: in its colour on the grey shape, from before or from behind,
+    /// Each region by itself, by falling reliability: on the grey shape, the fainter the less reliable it is, from before or from behind,
     /// whichever it faces more.
     ///
     /// # Errors
@@ -145,6 +148,7 @@ impl Results {
         let mut models = Vec::with_capacity(order.len());
         for region in &order {
             let colour = PALETTE[0].tone(traits[region.id as usize].side);
+            let colour = colour.mix(NO_REGION, FAINT * (1.0 - region.reliability.unwrap_or(1.0)) as f32);
             let model = drawing.one(region.id, colour)?;
             let view = self.facing(region.id, options.up, views);
             let sure = region.reliability.map_or_else(String::new, |sure| format!(", found again {sure:.2}"));
@@ -248,10 +252,8 @@ impl Results {
         let title = format!("regions of {} - {}:", self.name(), other.name());
         let mut legend = vec![LegendEntry { colours: Vec::new(), text: title }];
         legend.extend(self.legend_of(&first, partner_of, "not matched"));
-        let inner = |pair: &&RegionPair| {
-            let region = self.record.regions.get(pair.first as usize);
-            region.is_some_and(|region| !has_own_colour(region, &first))
-        };
+        let own_colours = self.with_own_colour(&first);
+        let inner = |pair: &&RegionPair| own_colours.get(pair.first as usize) == Some(&false);
         let inner: Vec<String> =
             matches.iter().filter(inner).map(|pair| format!("{} - {}", pair.first, pair.second)).collect();
         if !inner.is_empty() {
@@ -264,6 +266,14 @@ impl Results {
             legend.push(LegendEntry { colours: vec![MISTAKE], text });
         }
         Ok(render_with_legend(&panels, &legend, options)?)
+    }
+
+    /// Whether each region has another colour than what is around it.
+    fn with_own_colour(&self, colours: &[Rgb]) -> Vec<bool> {
+        let own = |(&colour, around): (&Rgb, Option<u32>)| {
+            colour != NO_REGION && around.is_none_or(|around| colours[around as usize] != colour)
+        };
+        colours.iter().zip(self.around()).map(own).collect()
     }
 
     /// The surface with the numbers of these regions on it.
@@ -369,12 +379,6 @@ impl Results {
         facts.push(fact("mser3d", self.record.mser3d.clone()));
         facts
     }
-}
-
-/// Whether a region has another colour than what is around it.
-fn has_own_colour(region: &RegionRecord, colours: &[Rgb]) -> bool {
-    let colour = colours[region.id as usize];
-    colour != NO_REGION && region.parent.is_none_or(|parent| colours[parent as usize] != colour)
 }
 
 fn numbers(ids: &[u32]) -> String {

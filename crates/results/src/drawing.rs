@@ -3,7 +3,7 @@
 use mser3d_viewer::{Colours, Cut, Model, NO_REGION, Rgb, label_colour};
 
 use crate::fine_surface::FineSurface;
-use crate::{RegionRecord, Results, ResultsError};
+use crate::{Results, ResultsError};
 
 /// Triangles with longer edges, in voxels, are divided: borders run through them.
 const LONGEST_EDGE: f64 = 2.0;
@@ -59,19 +59,18 @@ impl<'a> Drawing<'a> {
     /// # Errors
     /// [`ResultsError::Viewer`] when there is not one colour per region.
     pub fn numbered(&self, colours: &[Rgb]) -> Result<Model, ResultsError> {
-        let regions = &self.results.record.regions;
-        let number = |r: &RegionRecord| {
-            let mut region = r;
+        let around = self.results.around();
+        let number = |mut region: u32| {
             // What has the colour of the region around it has its number too.
             for _ in 0..colours.len() {
-                let same = |p: &u32| colours.get(*p as usize) == colours.get(region.id as usize);
-                let Some(parent) = region.parent.filter(same) else { break };
-                region = &regions[parent as usize];
+                let same = |p: &u32| colours.get(*p as usize) == colours.get(region as usize);
+                let Some(parent) = around[region as usize].filter(same) else { break };
+                region = parent;
             }
-            let seen = colours.get(region.id as usize).is_some_and(|colour| *colour != NO_REGION);
-            if seen { region.id.to_string() } else { String::new() }
+            let seen = colours.get(region as usize).is_some_and(|colour| *colour != NO_REGION);
+            if seen { region.to_string() } else { String::new() }
         };
-        Ok(self.regions(colours)?.with_labels(regions.iter().map(number).collect()))
+        Ok(self.regions(colours)?.with_labels((0..around.len() as u32).map(number).collect()))
     }
 
     /// The surface with one region in a colour.

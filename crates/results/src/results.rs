@@ -1,3 +1,5 @@
+use std::collections::{BTreeMap, HashMap};
+
 use mser3d::{Features, Tree};
 use mser3d_shape::{Domain, IndexSet, TriangleMesh, VoxelGrid, innermost_regions};
 use mser3d_viewer::{RegionTraits, Rgb, region_colours, voxel_surface};
@@ -191,7 +193,14 @@ impl Results {
 
     /// What colours say of the regions.
     pub(crate) fn traits(&self) -> Vec<RegionTraits> {
-        traits(&self.record.regions)
+        let mut traits = traits(&self.record.regions);
+        traits.iter_mut().zip(self.around()).for_each(|(traits, around)| traits.parent = around);
+        traits
+    }
+
+    /// The region in which each is seen to lie: [`around`].
+    pub(crate) fn around(&self) -> Vec<Option<u32>> {
+        around(if self.grid.is_some() { &self.region_voxels } else { &self.region_vertices })
     }
 
     /// The node of a region in its tree: on the way up from one of its elements, the one that comes
@@ -211,6 +220,26 @@ impl Results {
         }
         Some(best)
     }
+}
+
+/// The share of a region that lies in another one, from which it is seen to lie in it.
+const NEARLY_ALL: f64 = 0.9;
+
+/// For each region the smallest larger one that holds nearly all of it: those of several trees need not nest to the last voxel. Regions come
+/// by falling size.
+fn around(regions: &[Vec<u32>]) -> Vec<Option<u32>> {
+    let mut holding: HashMap<u32, Vec<u32>> = HashMap::new();
+    for (region, own) in (0u32..).zip(regions) {
+        own.iter().for_each(|&member| holding.entry(member).or_default().push(region));
+    }
+    let around = |(region, own): (u32, &Vec<u32>)| {
+        let mut shared: BTreeMap<u32, usize> = BTreeMap::new();
+        let others = own.iter().filter_map(|member| holding.get(member)).flatten();
+        others.filter(|other| **other < region).for_each(|other| *shared.entry(*other).or_default() += 1);
+        let nearly = |(_, count): &(&u32, &usize)| **count as f64 >= NEARLY_ALL * own.len() as f64;
+        shared.iter().rev().find(nearly).map(|(other, _)| *other)
+    };
+    (0u32..).zip(regions).map(around).collect()
 }
 
 /// The node in which each voxel of a solid, or each vertex of a surface, enters a tree.
@@ -234,4 +263,17 @@ pub(crate) fn traits(regions: &[RegionRecord]) -> Vec<RegionTraits> {
 /// Innermost regions as files have them: -1 for none.
 fn labels(count: usize, regions: &[Vec<u32>]) -> Vec<i32> {
     innermost_regions(count, regions).into_iter().map(|region| region.map_or(-1, |r| r as i32)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_region_lies_in_the_smallest_that_holds_nearly_all_of_it() {
+        let regions: Vec<Vec<u32>> =
+            [0..100, 0..50, 31..51, 95..105, 20..30, 90..92].map(Iterator::collect).into();
+        // The third sticks out of the second by a twentieth, the fourth out of the first by half.
+        assert_eq!(around(&regions), [None, Some(0), Some(1), None, Some(1), Some(0)]);
+    }
 }
