@@ -108,3 +108,27 @@ pub fn write_png(image: &Image, path: &Path) -> Result<(), Box<dyn Error>> {
     let file = File::create(path).map_err(|e| format!("{}: {e}", path.display()))?;
     Ok(image.write_png(BufWriter::new(file)).map_err(|e| format!("{}: {e}", path.display()))?)
 }
+
+#[cfg(test)]
+mod tests {
+    use mser3d_viewer::PALETTE;
+
+    use super::*;
+
+    #[test]
+    fn mirror_images_have_one_hue_dark_and_light() {
+        let corners = vec![[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let mesh = TriangleMesh::new(corners, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]).unwrap();
+        let regions = [0, 1, 2].map(|v| IndexSet::from_members(4, [v]).unwrap());
+        let hue = |colour: Rgb| PALETTE.iter().position(|hue| hue.tones().contains(&colour)).unwrap();
+        let null = NullShape::new(mesh).with_symmetry(vec![1, 0, 2, 3]).unwrap();
+        let found = colours(&null, &regions).unwrap();
+        let twins = PALETTE[hue(found[0])];
+        assert_eq!(found[..2], [twins.dark, twins.light]);
+        assert_ne!(hue(found[2]), hue(found[0]));
+        // Without a symmetry nobody knows of the twins.
+        let null = NullShape::new(null.mesh().clone());
+        let found = colours(&null, &regions).unwrap();
+        assert_ne!(hue(found[0]), hue(found[1]));
+    }
+}
