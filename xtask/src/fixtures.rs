@@ -1,4 +1,4 @@
-//! `cargo xtask fixtures`: two articulated figures in several poses, made from nothing.
+//! `cargo xtask fixtures`: three figures in several poses, made from nothing.
 //!
 //! field (round cones, smooth union) -> surface nets -> smooth skin weights -> poses -> OFF and GLB.
 //!
@@ -10,7 +10,9 @@ mod field;
 mod figure;
 mod glb;
 mod human;
+mod leaf;
 mod off;
+mod plant;
 mod quadruped;
 mod skeleton;
 mod skin;
@@ -21,8 +23,6 @@ mod vector;
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
-
-use figure::Figure;
 
 /// What `cargo xtask fixtures` can be told.
 #[derive(clap::Args)]
@@ -51,7 +51,7 @@ fn default_folder() -> PathBuf {
 /// The name and the bytes of every generated file.
 fn files() -> Result<Vec<(String, Vec<u8>)>, Box<dyn Error>> {
     let mut files = Vec::new();
-    for figure in [human::figure()?, quadruped::figure()?] {
+    for figure in [human::figure()?, quadruped::figure()?, plant::figure()?] {
         let name = figure.name;
         for pose in &figure.poses {
             files.push((
@@ -59,13 +59,15 @@ fn files() -> Result<Vec<(String, Vec<u8>)>, Box<dyn Error>> {
                 off::write(&figure.posed(pose), &figure.triangles),
             ));
         }
-        files.push((format!("{name}_symmetry.txt"), symmetry(&figure)));
+        if let Some(mirror) = &figure.mirror {
+            files.push((format!("{name}_symmetry.txt"), symmetry(mirror)));
+        }
         files.push((format!("{name}.glb"), glb::write(&figure)?));
     }
     Ok(files)
 }
 
 /// Line i: the number, from 0, of the vertex that mirrors vertex i.
-fn symmetry(figure: &Figure) -> Vec<u8> {
-    figure.mirror.iter().map(|m| format!("{m}\n")).collect::<String>().into_bytes()
+fn symmetry(mirror: &[u32]) -> Vec<u8> {
+    mirror.iter().map(|m| format!("{m}\n")).collect::<String>().into_bytes()
 }

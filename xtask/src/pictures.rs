@@ -1,4 +1,6 @@
-//! `cargo xtask pictures`: the pictures in `docs/images`, from the shapes in `fixtures`.
+//! `cargo xtask pictures`: the pictures in `docs/images`, from the shapes in `fixtures`, and for the gallery from public ones.
+
+mod gallery;
 
 use std::path::{Path, PathBuf};
 
@@ -13,12 +15,22 @@ pub struct Arguments {
     /// Folder for the pictures
     #[arg(short, long, default_value = "docs/images")]
     output: PathBuf,
+    /// Folder with the public shapes of docs/gallery.md [default: ../shared/data, where it is there]
+    #[arg(long)]
+    data: Option<PathBuf>,
+    /// The pictures of docs/gallery.md alone
+    #[arg(long)]
+    gallery: bool,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     let work = std::path::absolute("target/pictures")?;
     let pictures = std::path::absolute(&arguments.output)?;
     std::fs::create_dir_all(&pictures).map_err(|e| format!("{}: {e}", pictures.display()))?;
+    gallery::run(arguments.data.as_deref(), &work.join("gallery"), &pictures)?;
+    if arguments.gallery {
+        return report(&pictures);
+    }
     let at = |name: &str| work.join(name).display().to_string();
     let picture = |name: &str| pictures.join(name).display().to_string();
 
@@ -92,12 +104,13 @@ fn report(pictures: &Path) -> Result<(), Box<dyn std::error::Error>> {
     for path in names {
         let size = path.metadata()?.len();
         println!("{} {} kB", path.display(), size / 1000);
-        if size > LARGEST {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        if size > LARGEST || gallery::heavy(&name, size) {
             heavy.push(path.display().to_string());
         }
     }
     if heavy.is_empty() {
         return Ok(());
     }
-    Err(format!("more than {LARGEST} bytes: {}", heavy.join(", ")).into())
+    Err(format!("too large for the repository: {}", heavy.join(", ")).into())
 }

@@ -1,12 +1,16 @@
 //! Parts of the figures: what a person would draw, in any pose.
 
-use mser3d::{Domain, Features, Input, Part, PartCount, PartParameters, Partition, partition};
+use mser3d::{Domain, Features, Input, Parameters, Part, PartCount, PartParameters, Partition, partition};
 use mser3d_tests::{coarse, features, fixture, mirror};
 
 fn parted(name: &str, domain: Domain, count: PartCount) -> (Features, Partition) {
+    parted_at(coarse(20_000, 60), name, domain, count)
+}
+
+fn parted_at(parameters: Parameters, name: &str, domain: Domain, count: PartCount) -> (Features, Partition) {
     let mesh = fixture(name);
     let input = if domain == Domain::Surface { Input::Surface(&mesh) } else { Input::Volume(&mesh) };
-    let features = features(input, &coarse(20_000, 60));
+    let features = features(input, &parameters);
     let found = partition(&features, Some(&mesh), &PartParameters { count, ..Default::default() }).unwrap();
     (features, found)
 }
@@ -76,6 +80,29 @@ fn limbs_are_found_by_themselves_in_any_pose() {
         let (_, found) = parted(name, Domain::Volume, PartCount::Auto);
         assert_eq!((found.parts.len(), twins(&found)), (count, 4), "{name}");
         assert!(found.parts[0].trunk, "{name}");
+    }
+}
+
+#[test]
+fn wind_changes_no_part_of_a_plant() {
+    let [rest, wind] = ["plant_rest.off", "plant_wind.off"]
+        .map(|name| parted_at(coarse(45_000, 100), name, Domain::Volume, PartCount::Auto).1);
+    let vertices = |found: &Partition, part: usize| -> Vec<usize> {
+        let of_vertex = found.part_of_vertex.iter().enumerate();
+        of_vertex.filter(|(_, p)| **p == Some(part as u32)).map(|(v, _)| v).collect()
+    };
+    // Six leaves, the flower, and the pot with the stem.
+    assert_eq!((rest.parts.len(), wind.parts.len()), (8, 8));
+    assert!(rest.parts[0].trunk && rest.parts[1].centroid[1] > 0.55);
+    for part in 0..rest.parts.len() {
+        let own = vertices(&rest, part);
+        let overlap = |other: usize| {
+            let other = vertices(&wind, other);
+            let shared = own.iter().filter(|v| other.binary_search(v).is_ok()).count();
+            shared as f64 / (own.len() + other.len() - shared) as f64
+        };
+        let best = (0..wind.parts.len()).map(overlap).fold(0.0, f64::max);
+        assert!(best > 0.9, "part {part} is found again at {best}");
     }
 }
 

@@ -159,6 +159,12 @@ fn the_page_on_motion_can_be_followed_and_has_all_options() {
     }
 }
 
+/// What it shows of shapes that are not in the repository is not run.
+#[test]
+fn the_gallery_can_be_followed() {
+    follow("docs/gallery.md");
+}
+
 #[test]
 fn the_page_on_left_and_right_can_be_followed() {
     follow("docs/sides.md");
@@ -254,18 +260,62 @@ fn every_field_and_array_of_a_result_is_documented() {
     }
 }
 
+/// All pages of the repository.
+fn pages() -> Vec<PathBuf> {
+    let files = |folder: PathBuf| fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let crates = files(root().join("crates"));
+    let folders =
+        ["", "docs", "docs/results", "fixtures", "experiments", "xtask", "tests"].map(|f| root().join(f));
+    let mut pages: Vec<PathBuf> = folders.into_iter().chain(crates).flat_map(files).collect();
+    pages.retain(|path| path.extension().is_some_and(|e| e == "md"));
+    pages.sort();
+    pages
+}
+
+/// A page without its blocks of code.
+fn prose(page: &Path) -> String {
+    let text = fs::read_to_string(page).unwrap();
+    let prose = parts(&text).into_iter().filter_map(|part| match part {
+        Part::Prose(prose) => Some(prose),
+        Part::Block(..) => None,
+    });
+    prose.collect()
+}
+
+/// What a link to each heading of a page ends in, as GitHub makes it.
+fn anchors(page: &Path) -> Vec<String> {
+    let headings = prose(page);
+    let headings = headings.lines().filter_map(|line| line.strip_prefix('#'));
+    let anchor = |heading: &str| -> String {
+        let kept = heading.trim_start_matches('#').trim().to_lowercase();
+        let kept = kept.chars().filter(|c| c.is_alphanumeric() || [' ', '-', '_'].contains(c));
+        kept.map(|c| if c == ' ' { '-' } else { c }).collect()
+    };
+    headings.map(anchor).collect()
+}
+
 #[test]
 fn links_between_pages_lead_somewhere() {
-    let docs = fs::read_dir(root().join("docs")).unwrap().map(|entry| entry.unwrap().path());
-    let pages = docs.filter(|path| path.extension().is_some_and(|e| e == "md"));
-    for page in pages.chain(["README.md", "ARCHITECTURE.md"].map(|name| root().join(name))) {
-        let text = fs::read_to_string(&page).unwrap();
-        for target in text.split("](").skip(1).map(|rest| rest.split(')').next().unwrap()) {
-            let file = target.split('#').next().unwrap();
-            if !target.contains("://") && !file.is_empty() {
-                let there = page.parent().unwrap().join(file).exists();
-                assert!(there, "{} links to {target}, which is not there", page.display());
+    let (mut links, mut to_headings) = (0, 0);
+    for page in pages() {
+        for target in prose(&page).split("](").skip(1).map(|rest| rest.split(')').next().unwrap()) {
+            if target.contains("://") {
+                continue;
+            }
+            let (file, heading) = target.split_once('#').unwrap_or((target, ""));
+            let there = if file.is_empty() { page.clone() } else { page.parent().unwrap().join(file) };
+            assert!(there.exists(), "{} links to {target}, which is not there", page.display());
+            links += 1;
+            if !heading.is_empty() {
+                let known = anchors(&there);
+                assert!(
+                    known.iter().any(|a| a == heading),
+                    "{} links to {target}: {known:?}",
+                    page.display()
+                );
+                to_headings += 1;
             }
         }
     }
+    assert!(links > 100 && to_headings > 10, "{links} links, {to_headings} to headings");
 }

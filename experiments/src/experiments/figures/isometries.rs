@@ -43,7 +43,7 @@ pub fn draw(voxels: usize, output: &Path) -> Result<(), Box<dyn Error>> {
     let sides = [Side::new(Domain::Volume, &rest, voxels)?, Side::new(Domain::Surface, &rest, voxels)?];
     let mut models = [Vec::new(), Vec::new()];
     for (side, models) in sides.iter().zip(&mut models) {
-        models.push(model(&rest, &side.found.regions, &colours(&rest, &side.found.regions))?);
+        models.push(model(&rest, &side.found.regions, &colours(&null, &side.found.regions)?)?);
     }
     for (name, mesh) in &stages {
         let (mean, most) = strain(&rest, mesh);
@@ -60,7 +60,7 @@ pub fn draw(voxels: usize, output: &Path) -> Result<(), Box<dyn Error>> {
                 score.matching_score(0.8)
             );
             if DRAWN.contains(&name.as_str()) {
-                let first = colours(&rest, &side.found.regions);
+                let first = colours(&null, &side.found.regions)?;
                 let own =
                     colours_of_same(&null, &side.found.regions, &first, &found.regions, &correspondence)?;
                 models.push(model(mesh, &found.regions, &own)?);

@@ -35,8 +35,12 @@ pub fn draw(voxels: usize, path: &Path) -> Result<(), Box<dyn Error>> {
         }
         let regions = solved.regions(&parameters)?;
         let sets = sets(&mesh, &regions)?;
-        let (first, first_colours) = on_null.get_or_insert_with(|| (sets.clone(), colours(&mesh, &sets)));
-        let colours = colours_of_same(&null, first, first_colours, &sets, &correspondence)?;
+        let (first, first_colours) = match on_null.take() {
+            Some(known) => known,
+            None => (sets.clone(), colours(&null, &sets)?),
+        };
+        let colours = colours_of_same(&null, &first, &first_colours, &sets, &correspondence)?;
+        on_null = Some((first, first_colours));
 
         let labels = innermost(mesh.vertices().len(), &sets);
         let surface = Colours::Regions { labels: &labels, colours: &colours };

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use mser3d::shape::TriangleMesh;
 use mser3d_evaluation::shrec::{Benchmark, ShapeName};
-use mser3d_evaluation::{Correspondence, DetectedRegions, IndexSet, NullShape};
+use mser3d_evaluation::{Correspondence, DetectedRegions, EvaluationError, IndexSet, NullShape};
 use mser3d_viewer::{Model, Panel, RenderOptions, Rgb, View, render};
 use rayon::prelude::*;
 
@@ -28,7 +28,8 @@ pub fn draw(
     let mut made = Vec::new();
     for number in benchmark.null_numbers() {
         let Ok(null) = benchmark.null_shape(number) else { continue };
-        let artist = Artist::new(benchmark, null, number, arguments.output.join("detections").join(detector));
+        let artist =
+            Artist::new(benchmark, null, number, arguments.output.join("detections").join(detector))?;
         let names: Vec<&ShapeName> = names(arguments, benchmark, number).collect();
         let mut classes: Vec<&str> = names.iter().map(|n| n.class.as_str()).collect();
         classes.dedup();
@@ -64,12 +65,17 @@ struct Artist<'a> {
 }
 
 impl<'a> Artist<'a> {
-    fn new(benchmark: &'a Benchmark, null: NullShape, number: u32, detections: PathBuf) -> Self {
+    fn new(
+        benchmark: &'a Benchmark,
+        null: NullShape,
+        number: u32,
+        detections: PathBuf,
+    ) -> Result<Self, EvaluationError> {
         let vertices = null.mesh().vertices().len();
         let found = DetectedRegions::read(&detections, ShapeName::null(number), vertices);
         let regions = found.map(|d| d.regions).unwrap_or_default();
-        let colours = colours(null.mesh(), &regions);
-        Self { benchmark, null, number, detections, regions, colours }
+        let colours = colours(&null, &regions)?;
+        Ok(Self { benchmark, null, number, detections, regions, colours })
     }
 
     fn sheet(&self, names: &[&ShapeName], columns: usize, path: &Path) -> Result<(), Box<dyn Error>> {
