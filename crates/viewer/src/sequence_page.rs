@@ -69,7 +69,7 @@ pub struct TrackPoint {
 /// let corners = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
 /// let mesh = TriangleMesh::new(corners, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])?;
 /// let point = |frame| TrackPoint { frame, volume_fraction: 0.2, overlap: None, reliability: Some(0.9) };
-/// let mut page = SequencePage::new("A tetrahedron", Up::Y);
+/// let mut page = SequencePage::new("A tetrahedron", Up::Y, None);
 /// for number in 0..2 {
 ///     page.push(&SequenceFrame { number, time: None, mesh: &mesh, track: &[0, -1, -1, 0], parents: &[] })?;
 /// }
@@ -81,6 +81,7 @@ pub struct TrackPoint {
 pub struct SequencePage {
     title: String,
     up: Up,
+    front: Option<f64>,
     pack: Pack,
     frames: Vec<Value>,
     times: Vec<f64>,
@@ -90,11 +91,12 @@ pub struct SequencePage {
 }
 
 impl SequencePage {
-    /// A page without frames.
-    pub fn new(title: &str, up: Up) -> Self {
+    /// A page without frames. `front` is the azimuth of the body's front, in degrees ([`View::azimuth`](crate::View::azimuth)), from
+    /// which the page counts its own; without one that is finite the file's axes rule.
+    pub fn new(title: &str, up: Up, front: Option<f64>) -> Self {
         let title = title.to_owned();
         let (pack, frames, times) = (Pack::default(), Vec::new(), Vec::new());
-        Self { title, up, pack, frames, times, last: Vec::new(), triangles: Vec::new() }
+        Self { title, up, front, pack, frames, times, last: Vec::new(), triangles: Vec::new() }
     }
 
     /// Adds the next frame.
@@ -153,6 +155,7 @@ impl SequencePage {
         let head = json!({
             "title": self.title,
             "up": self.up.name(),
+            "front": self.front.filter(|front| front.is_finite()),
             "none": NO_REGION.0,
             "shapes": [],
             "frames": self.frames,
@@ -185,7 +188,7 @@ mod tests {
         let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
         let mesh = TriangleMesh::new(corners, faces).unwrap();
         let other = TriangleMesh::new(mesh.vertices().to_vec(), mesh.triangles()[1..].to_vec()).unwrap();
-        let mut page = SequencePage::new("t", Up::Z);
+        let mut page = SequencePage::new("t", Up::Z, None);
         for (number, mesh) in [&mesh, &mesh, &other].into_iter().enumerate() {
             page.push(&SequenceFrame { number, time: None, mesh, track: &[0, 0, -1, 1], parents: &[[1, 0]] })
                 .unwrap();

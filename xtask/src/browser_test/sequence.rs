@@ -15,7 +15,7 @@ const BRIEF: usize = 1;
 
 /// A page on which the figure bows, its regions as tracks.
 pub(super) fn page(results: &Results, path: &Path) -> Result<(), Box<dyn std::error::Error>> {
-    let mut page = SequencePage::new("A figure in motion", Up::Y);
+    let mut page = SequencePage::new("A figure in motion", Up::Y, results.front(Up::Y));
     let track = results.vertex_region();
     let parents: Vec<[u32; 2]> =
         results.record.regions.iter().filter_map(|r| Some([r.id, r.parent?])).collect();

@@ -1,5 +1,6 @@
 //! Regions followed through a sequence of results.
 
+mod front;
 mod glb;
 mod kinship;
 mod lasting;
