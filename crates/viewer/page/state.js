@@ -116,6 +116,7 @@ function setMode(mode) {
   if (listed() !== from) {
     state.chosen = counterpart(state.chosen, from);
     state.hovered = null;
+    clicked = null;
   }
   panel.show(state.chosen);
   refresh();
@@ -156,6 +157,8 @@ function setFlip(flip) {
 function showMerge(shape, tree, share) {
   setTree(tree, shape);
   setLevel(share);
+  // The tree is below the table; on a phone the picture would go out of sight.
+  if (window.matchMedia("(min-width: 801px)").matches) byId("tree-part").scrollIntoView({ block: "end" });
 }
 
 function setCut(axis) {

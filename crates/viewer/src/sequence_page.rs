@@ -39,6 +39,8 @@ pub struct SequenceFrame<'a> {
 pub struct SequenceTrack {
     /// Its colour in all frames.
     pub colour: Rgb,
+    /// The track that it has its colour of; itself where it has one of its own.
+    pub colour_of: u32,
     /// Where it is found.
     pub sightings: Vec<TrackPoint>,
 }
@@ -73,7 +75,8 @@ pub struct TrackPoint {
 /// for number in 0..2 {
 ///     page.push(&SequenceFrame { number, time: None, mesh: &mesh, track: &[0, -1, -1, 0], parents: &[] })?;
 /// }
-/// let html = page.finish(2, &[SequenceTrack { colour: PALETTE[0].middle, sightings: vec![point(0), point(1)] }], "");
+/// let track = SequenceTrack { colour: PALETTE[0].middle, colour_of: 0, sightings: vec![point(0), point(1)] };
+/// let html = page.finish(2, &[track], "");
 /// assert!(html.starts_with("<!DOCTYPE html>"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -149,6 +152,7 @@ impl SequencePage {
         let track = |track: &SequenceTrack| {
             json!({
                 "colour": track.colour.0,
+                "colourOf": track.colour_of,
                 "sightings": track.sightings.iter().map(point).collect::<Vec<_>>(),
             })
         };

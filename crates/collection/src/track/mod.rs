@@ -7,6 +7,7 @@ mod lasting;
 mod likeness;
 mod page;
 mod pictures;
+mod pieces;
 mod reliability;
 mod sequence;
 mod tables;

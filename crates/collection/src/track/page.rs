@@ -66,6 +66,7 @@ pub fn track_page(folder: &Path, title: &str, up: Up) -> Result<String, Collecti
         .iter()
         .map(|track| SequenceTrack {
             colour: Rgb(track.colour),
+            colour_of: track.colour_of,
             sightings: (track.sightings.iter())
                 .map(|s| TrackPoint {
                     frame: s.frame,

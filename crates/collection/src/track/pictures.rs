@@ -22,8 +22,8 @@ const STRIP_FRAMES: usize = 8;
 const MOST_FRAMES: usize = 240;
 
 /// Draws a tracked sequence from its folder: `strip.png`, up to eight of its frames in a row, and `moving.png`, an animated PNG of all
-/// frames (of more than 240 frames only of every second, third and so on). Tracks that are found in half of the
-/// frames or more have their colours, and the camera stays, before the body's own front where that can be told.
+/// frames (of more than 240 frames only of every second, third and so on). What is found in half of the
+/// frames or more has its colour, and the camera stays, before the body's own front where that can be told.
 ///
 /// # Errors
 /// Errors of reading the folder and of drawing.
