@@ -15,7 +15,7 @@ use crate::command::{example, mser3d, output, program};
 use libraries::{Libraries, TOOLS};
 
 /// Frames of the sequence.
-const FRAMES: &str = "5";
+const FRAMES: &str = "9";
 
 /// A library that takes longer for a few megabytes hangs.
 const CHECK: Duration = Duration::from_secs(300);
