@@ -1,7 +1,7 @@
 """Opens what mser3d wrote with the library of the format: `python check.py LIBRARY INPUT FOLDER`.
 
 INPUT is the mesh (OFF). FOLDER holds the results `rest` and `kick`, `rest.glb` and `rest.vtp` exported
-from the first, `match` of the two, and `all`, the collection of both. Every check compares contents with
+from the first, `match` of the two, `all`, the collection of both, and `track`, a sequence. Every check compares contents with
 `regions.json` or with the input, none only opens a file. A failed check raises.
 """
 
@@ -115,6 +115,13 @@ def check_trimesh(mesh, folder):
     srgb = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
     same("colours (GLB)", np.rint(255 * srgb), colours)
     true("closed", ply.is_watertight and glb.is_watertight and np.isclose(ply.volume, glb.volume, rtol=1e-5))
+
+    # Of a sequence the mesh is the first frame.
+    (moving,) = trimesh.load(folder / "track" / "tracks.glb", process=False).geometry.values()
+    first = trimesh.load(folder / "track" / sequence(folder)[0]["name"] / "surface.ply", process=False)
+    same("triangles (moving GLB)", moving.faces, first.faces)
+    true("vertices (moving GLB)", np.allclose(moving.vertices, first.vertices, rtol=0, atol=1e-6))
+    true("several colours (moving GLB)", len(np.unique(moving.visual.vertex_attributes["color"], axis=0)) >= 4)
     return f"{len(glb.vertices)} vertices, {len(glb.faces)} triangles, volume {ply.volume:.2f}"
 
 
@@ -195,6 +202,30 @@ def check_pyarrow(mesh, folder):
     return f"{len(names)} shapes, {len(rows)} regions"
 
 
+def check_pillow(mesh, folder):
+    from PIL import Image
+
+    frames = sequence(folder)
+    step = round(1000 * (frames[-1]["time"] - frames[0]["time"]) / (len(frames) - 1))
+    # Nothing is shown longer than a second.
+    step = min(step, 1000)
+    seen = set()
+    with Image.open(folder / "track" / "moving.png") as picture:
+        equal("frames", picture.n_frames, len(frames))
+        equal("plays for ever", picture.info["loop"], 0)
+        for number in range(picture.n_frames):
+            picture.seek(number)
+            equal(f"milliseconds of frame {number}", picture.info["duration"], step)
+            seen.add(picture.convert("RGB").tobytes())
+        size = picture.size
+    equal("different pictures", len(seen), len(frames))
+    return f"{len(frames)} pictures of {size[0]} x {size[1]}, {step} ms each"
+
+
+def sequence(folder):
+    return json.loads((folder / "track" / "tracks.json").read_text())["frames"]
+
+
 def check_colours(colours, regions):
     """Each region has one colour of its neighbours' palette, and there are several."""
     import numpy as np
@@ -248,5 +279,5 @@ def same(what, found, wanted):
 
 if __name__ == "__main__":
     library, mesh, folder = sys.argv[1], Path(sys.argv[2]), Path(sys.argv[3])
-    points = None if library == "csv" else read_off(mesh)
+    points = None if library in ("csv", "pillow") else read_off(mesh)
     print(globals()[f"check_{library}"](points, folder))

@@ -72,9 +72,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     write(&pair, html.as_bytes())?;
 
     sequence::page(&results, &folder.join("sequence.html"))?;
+    sequence::track(&folder.join("moving"))?;
 
     let mut browser = Browser::start(&program, &SOFTWARE_GL)?;
-    let tests: [(&str, fn(&mut Session<'_>) -> Result<(), String>); 18] = [
+    let tests: [(&str, fn(&mut Session<'_>) -> Result<(), String>); 19] = [
         ("the first picture comes soon, and shows the regions' colours", regions::shows_regions),
         ("parts are shown first, and lead to their twins and regions", panel::parts_are_first),
         ("a click on an arm shows the arm's numbers", regions::arm_shows_its_numbers),
@@ -99,6 +100,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
         ("a tap on a phone shows the arm's numbers", regions::works_on_a_phone),
         ("a choice on one shape chooses its match on the other", regions::matches_are_linked),
         ("a sequence plays, and a track shows its numbers over time", sequence::plays),
+        ("an animated file plays in the colours of its tracks", sequence::animation_plays),
     ];
     let mut passed = 0;
     for (name, test) in tests {

@@ -14,6 +14,9 @@ use std::time::Duration;
 use crate::command::{example, mser3d, output, program};
 use libraries::{Libraries, TOOLS};
 
+/// Frames of the sequence.
+const FRAMES: &str = "9";
+
 /// A library that takes longer for a few megabytes hangs.
 const CHECK: Duration = Duration::from_secs(300);
 
@@ -35,13 +38,14 @@ struct Check {
     packages: &'static [&'static str],
 }
 
-const PYTHON: [Check; 6] = [
+const PYTHON: [Check; 7] = [
     Check { library: "csv", formats: "CSV", packages: &[] },
     Check { library: "numpy", formats: "NPZ", packages: &["numpy"] },
     Check { library: "plyfile", formats: "PLY", packages: &["numpy", "plyfile"] },
     Check { library: "trimesh", formats: "PLY, GLB", packages: &["numpy", "trimesh"] },
     Check { library: "vtk", formats: "VTP, VTI, PLY", packages: &["numpy", "vtk"] },
     Check { library: "pyarrow", formats: "Parquet", packages: &["numpy", "pyarrow"] },
+    Check { library: "pillow", formats: "animated PNG", packages: &["pillow"] },
 ];
 
 /// What writes random volumes and reads them again, with what that needs.
@@ -99,7 +103,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Every format that mser3d writes, of two poses of a figure.
+/// Every format that mser3d writes, of two poses of a figure, and of one in motion.
 fn write_files(files: &Path, voxels: usize) -> Result<(), String> {
     if files.exists() {
         std::fs::remove_dir_all(files).map_err(|e| format!("{}: {e}", files.display()))?;
@@ -112,7 +116,10 @@ fn write_files(files: &Path, voxels: usize) -> Result<(), String> {
     mser3d(&["export", &at("rest"), "-o", &at("rest.glb")])?;
     mser3d(&["export", &at("rest"), "-o", &at("rest.vtp")])?;
     mser3d(&["match", &at("rest"), &at("kick"), "-o", &at("match"), "--same-vertices"])?;
-    mser3d(&["batch", &rest, &kick, "-o", &at("all"), "--voxels", &voxels, "--quiet"])
+    mser3d(&["batch", &rest, &kick, "-o", &at("all"), "--voxels", &voxels, "--quiet"])?;
+    let moving = Path::new("fixtures/human.glb").display().to_string();
+    let what = ["--frames", FRAMES, "--glb", "--pictures", "--quiet"];
+    mser3d(&[&["track", &moving, "-o", &at("track"), "--voxels", &voxels], &what[..]].concat())
 }
 
 /// A thousand random volumes through each library, mser3d and back.
@@ -141,8 +148,8 @@ fn validate(node: &mut Command, files: &Path) -> Result<String, String> {
     let off = std::fs::read_to_string(figure("rest")).map_err(|e| e.to_string())?;
     let mut counts = off.split_whitespace().skip(1);
     let (vertices, triangles) = (counts.next().unwrap_or_default(), counts.next().unwrap_or_default());
-    node.arg(tools("validate.cjs")).arg(files.join("rest.glb")).args([vertices, triangles]);
-    output(node, CHECK)
+    node.arg(tools("validate.cjs")).args([vertices, triangles]);
+    output(node.arg(files.join("rest.glb")).arg(files.join("track/tracks.glb")), CHECK)
 }
 
 fn figure(pose: &str) -> PathBuf {

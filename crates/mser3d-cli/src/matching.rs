@@ -136,7 +136,9 @@ fn write(
     let sheet = first.match_sheet(second, &pairs, &options)?;
     write_atomically(&folder.join("matches.png"), |out| sheet.write_png(out).map_err(std::io::Error::other))?;
     if args.html {
-        let title = format!("Regions of {} matched to {}", second.name(), first.name());
+        let parts = first.record.parts.is_some() && second.record.parts.is_some();
+        let what = if parts { "Parts and regions" } else { "Regions" };
+        let title = format!("{what} of {} matched to {}", second.name(), first.name());
         write_text(&folder.join("matches.html"), &first.match_page(second, &pairs, &title, args.up)?)?;
     }
     Ok(write_text(&folder.join("matches.json"), json)?)

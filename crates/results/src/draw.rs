@@ -1,15 +1,9 @@
-use mser3d::comptree::Polarity;
-use mser3d::descriptors::TimeScale;
 use mser3d_viewer::{
-    Cut, Image, LegendEntry, MISTAKE, Model, NO_REGION, PALETTE, PageData, PagePart, PageParts, PageRegion,
-    PageShape, PageTree, Panel, RenderOptions, Rgb, Up, View, ViewerError, label_colour, linked_colours,
-    page, region_colours, render, render_with_legend,
+    Cut, Image, LegendEntry, MISTAKE, Model, NO_REGION, PALETTE, Panel, RegionPair, RenderOptions, Rgb, Up,
+    View, ViewerError, label_colour, linked_colours, region_colours, render, render_with_legend,
 };
 
-use crate::results::traits;
-use crate::{Drawing, PartRecord, RegionRecord, Results, ResultsError, left_and_right};
-
-pub use mser3d_viewer::RegionPair;
+use crate::{Drawing, RegionRecord, Results, ResultsError};
 
 /// How much of its colour a region loses that is never found again.
 const FAINT: f32 = 0.7;
@@ -191,35 +185,6 @@ impl Results {
         wanted.iter().enumerate().map(|(number, &(region, colour))| picture(number, region, colour)).collect()
     }
 
-    /// A page that shows these results in a browser: the parts first, where there are any, then the regions.
-    ///
-    /// # Errors
-    /// [`ResultsError::Viewer`].
-    pub fn page(&self, title: &str, up: Up) -> Result<String, ResultsError> {
-        let shapes = vec![self.page_shape(&self.name())];
-        Ok(page(&PageData { title: title.to_owned(), shapes, matches: Vec::new(), up })?)
-    }
-
-    /// A page of two shapes beside each other, in [`matched_colours`].
-    ///
-    /// # Errors
-    /// [`ResultsError::Viewer`], also for a match of regions that are not there.
-    pub fn match_page(
-        &self,
-        other: &Self,
-        matches: &[RegionPair],
-        title: &str,
-        up: Up,
-    ) -> Result<String, ResultsError> {
-        let mut shapes = vec![self.page_shape(&self.name()), other.page_shape(&other.name())];
-        for (shape, colours) in shapes.iter_mut().zip(matched_colours(self, other, matches)) {
-            // Matches are of regions.
-            shape.parts = None;
-            shape.regions.iter_mut().zip(colours).for_each(|(region, colour)| region.colour = colour);
-        }
-        Ok(page(&PageData { title: title.to_owned(), shapes, matches: matches.to_vec(), up })?)
-    }
-
     /// Both shapes from the front and from behind, in [`matched_colours`].
     ///
     /// # Errors
@@ -290,107 +255,10 @@ impl Results {
         }
         Ok(Drawing::new(self)?.regions(colours)?.with_labels(numbers))
     }
-
-    /// These results as one shape of a page.
-    pub fn page_shape(&self, name: &str) -> PageShape<'_> {
-        let colours = self.colours();
-        // Trees of several bodies do not share a level, and a page shows only what enters its tree.
-        let all_enter = self.trees.iter().all(|tree| !tree.entry.contains(&u32::MAX));
-        let one = self.record.bodies.len() == 1 && all_enter;
-        let regions = self.record.regions.iter().enumerate().map(|(id, r)| PageRegion {
-            colour: colours[id],
-            parent: r.parent,
-            altitude: r.altitude,
-            stability: r.stability,
-            reliability: r.reliability,
-            lifetime: r.lifetime,
-            twin: r.twin,
-            side: r.side,
-            volume: r.volume,
-            volume_fraction: r.volume_fraction,
-            vertices: &self.region_vertices[id],
-            voxels: &self.region_voxels[id],
-            node: self.node(id).filter(|_| one).map(|node| [r.tree, node]),
-        });
-        let trees =
-            self.record.trees.iter().zip(&self.trees).filter(|_| one).map(|(record, tree)| PageTree {
-                name: tree_name(record.time_scale),
-                superlevel: record.polarity == Polarity::Superlevel,
-                parents: &tree.parents,
-                altitudes: &tree.altitudes,
-                volumes: &tree.volumes,
-                entry: &tree.entry,
-            });
-        PageShape {
-            name: name.to_owned(),
-            mesh: &self.mesh,
-            grid: self.grid.as_ref(),
-            vertex_voxel: &self.vertex_voxel,
-            regions: regions.collect(),
-            parts: self.page_parts(),
-            grey: None,
-            trees: trees.collect(),
-            facts: self.facts(),
-        }
-    }
-
-    fn page_parts(&self) -> Option<PageParts<'_>> {
-        let (records, regions) = (self.record.parts.as_ref()?, self.part_records()?);
-        let colours = region_colours(&traits(&regions), &self.vertex_part, &self.mesh.edge_graph());
-        let part = |((part, as_region), &colour): ((&PartRecord, &RegionRecord), &Rgb)| PagePart {
-            colour,
-            trunk: part.trunk,
-            region: part.region,
-            twins: part.twins.clone(),
-            side: as_region.side,
-            volume: part.volume,
-            volume_fraction: part.volume_fraction,
-        };
-        let list = records.iter().zip(&regions).zip(&colours).map(part).collect();
-        Some(PageParts { list, vertices: &self.vertex_part, voxels: &self.voxel_part })
-    }
-
-    /// The input's file name, without folder and ending.
-    pub fn name(&self) -> String {
-        self.record.name()
-    }
-
-    fn facts(&self) -> Vec<[String; 2]> {
-        let fact = |name: &str, value: String| [name.to_owned(), value];
-        let mut facts = vec![
-            fact("vertices", self.mesh.vertices().len().to_string()),
-            fact("triangles", self.mesh.triangles().len().to_string()),
-        ];
-        if let Some(grid) = &self.grid {
-            facts.push(fact("voxels", grid.len().to_string()));
-            facts.push(fact("pitch", format!("{:.4}", grid.frame().spacing()[0])));
-        }
-        facts.push(fact("eigenpairs", self.eigenvalues.iter().map(Vec::len).sum::<usize>().to_string()));
-        if !self.record.input.path.is_empty() {
-            facts.push(fact("input", self.record.input.path.clone()));
-        }
-        facts.push(fact("weight", self.record.parameters.weight.to_string()));
-        let bodies = &self.record.bodies;
-        let sides = bodies.iter().map(|body| left_and_right(body.sidedness)).enumerate();
-        facts.extend(sides.filter_map(|(body, told)| {
-            let of_body = if bodies.len() > 1 { format!(" of body {body}") } else { String::new() };
-            Some(fact(&format!("left and right{of_body}"), told?))
-        }));
-        facts.push(fact("mser3d", self.record.mser3d.clone()));
-        facts
-    }
 }
 
 fn numbers(ids: &[u32]) -> String {
     ids.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")
-}
-
-fn tree_name(scale: Option<TimeScale>) -> String {
-    match scale {
-        Some(TimeScale::Relative(t)) => format!("t_rel = {t}"),
-        Some(TimeScale::Absolute(t)) => format!("t = {t}"),
-        None => "commute time".to_owned(),
-    }
 }
 
 /// The colours of two matched shapes: matched regions have the same, twins one hue, and the tone says on which side of the first

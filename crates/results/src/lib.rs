@@ -75,6 +75,7 @@ mod landmarks;
 mod load;
 pub mod msv;
 mod oriented_box;
+mod page;
 mod parts;
 mod record;
 mod results;
@@ -84,7 +85,7 @@ mod tracks;
 mod volume_file;
 mod write;
 
-pub use draw::{RegionPair, matched_colours};
+pub use draw::matched_colours;
 pub use drawing::Drawing;
 pub use eigenfunctions::Eigenfunctions;
 pub use error::ResultsError;
@@ -94,8 +95,9 @@ pub use folder::ResultsFolder;
 pub use inspect::{Inspection, ValuesRecord};
 pub use label_map::LabelMap;
 pub use landmarks::write_landmarks;
-pub use mser3d_viewer::{Background, Image, RenderOptions, Up};
+pub use mser3d_viewer::{Background, Image, RegionPair, RenderOptions, Up};
 pub use oriented_box::OrientedBox;
+pub use page::matched_parts;
 pub use record::{
     FORMAT, GridRecord, InputRecord, PartRecord, Record, RegionRecord, SearchedBodyRecord, SpectrumRecord,
     TreeRecord, VoxelizationRecord,

@@ -159,6 +159,11 @@ impl Results {
         Ok(self)
     }
 
+    /// The input's file name, without folder and ending.
+    pub fn name(&self) -> String {
+        self.record.name()
+    }
+
     /// Volume or surface.
     pub fn domain(&self) -> Domain {
         self.record.domain

@@ -104,6 +104,9 @@ pub struct Track {
     pub first_frame: usize,
     /// The frame in which it is last found.
     pub last_frame: usize,
+    /// The track whose colour it has: of those that are the same piece of the body in a wider or narrower form, at the same time or one
+    /// after the other, the one that is found longest. Itself, mostly.
+    pub colour_of: u32,
     /// In how many frames it is found.
     pub found: usize,
     /// Mean of the overlaps of its sightings; none where it has none.

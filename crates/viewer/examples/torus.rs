@@ -64,6 +64,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     let (name, regions) = ("torus".to_owned(), regions.collect());
     let shape = PageShape {
         name,
+        front: None,
         mesh: &mesh,
         grid: None,
         vertex_voxel: &[],
@@ -73,7 +74,8 @@ pub fn main() -> Result<(), Box<dyn Error>> {
         trees: vec![],
         facts: vec![],
     };
-    let html = page(&PageData { title: "A torus".into(), shapes: vec![shape], matches: vec![], up: Up::Y })?;
+    let (title, matches) = ("A torus".to_owned(), vec![]);
+    let html = page(&PageData { title, shapes: vec![shape], matches, part_matches: vec![], up: Up::Y })?;
     fs::write(folder.join("mser3d-torus.html"), &html)?;
     println!("{}: {} kB", folder.join("mser3d-torus.html").display(), html.len() / 1000);
     Ok(())

@@ -1,9 +1,12 @@
-// An orthographic camera that turns about the shape's up axis, shared by all shapes.
+// An orthographic camera that turns about the shape's up axis, shared by all shapes. Its azimuth counts from each shape's front.
+
+// Azimuth and elevation of the views that keys choose: front, side, back, top, and the first one.
+const VIEWS = { 1: [0, 0], 2: [90, 0], 3: [180, 0], 4: [0, 90], 0: [35, 12] };
 
 class Camera {
   constructor(up) {
     this.up = up;
-    this.look(35, 12);
+    this.look(...VIEWS[0]);
   }
 
   look(azimuth, elevation) {
@@ -30,9 +33,9 @@ class Camera {
     this.shift = [this.shift[0] + dx, this.shift[1] + dy];
   }
 
-  // Rows: picture right, picture up, towards the viewer.
-  axes() {
-    const [e, a] = [this.elevation, this.azimuth].map((d) => (d * Math.PI) / 180);
+  // Rows: picture right, picture up, towards the viewer. `front` is the azimuth of a shape's front among the file's axes.
+  axes(front = 0) {
+    const [e, a] = [this.elevation, this.azimuth + front].map((d) => (d * Math.PI) / 180);
     const [right, up, toward] =
       this.up === "z" ? [[1, 0, 0], [0, 0, 1], [0, -1, 0]] : [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
     const sum = (p, u, q, v) => [0, 1, 2].map((i) => p * u[i] + q * v[i]);

@@ -53,7 +53,6 @@ canvas.addEventListener("wheel", (event) => {
   redraw();
 }, { passive: false });
 
-const views = { 1: [0, 0], 2: [90, 0], 3: [180, 0], 4: [0, 90], 0: [35, 12] };
 function look(azimuth, elevation) {
   camera.look(azimuth, elevation);
   redraw();
@@ -92,7 +91,7 @@ document.addEventListener("keydown", (event) => {
   if (arrow && event.target === canvas) {
     if (event.shiftKey) camera.move(0.08 * arrow[0], -0.08 * arrow[1]);
     else camera.turn(8 * arrow[0], 8 * arrow[1]);
-  } else if (Object.hasOwn(views, event.key)) camera.look(...views[event.key]);
+  } else if (Object.hasOwn(VIEWS, event.key)) camera.look(...VIEWS[event.key]);
   else if (Object.hasOwn(keys, event.key)) keys[event.key]();
   else return;
   event.preventDefault();

@@ -11,7 +11,7 @@ byId("cut-flip").addEventListener("click", () => {
 byId("level").addEventListener("input", (event) => setLevel(event.target.value / 1000));
 byId("tree-choice").addEventListener("change", (event) => setTree(Number(event.target.value), state.treeShape));
 document.querySelectorAll("[data-view]").forEach((button) =>
-  button.addEventListener("click", () => look(...button.dataset.view.split(" ").map(Number))));
+  button.addEventListener("click", () => look(...VIEWS[button.dataset.view])));
 byId("help-button").addEventListener("click", (event) => {
   byId("help").hidden = !byId("help").hidden;
   event.target.setAttribute("aria-expanded", String(!byId("help").hidden));

@@ -21,12 +21,17 @@ function overlay() {
   byId("bar-text").textContent = show(length);
   byId("scale").setAttribute("aria-label", `The bar is ${show(length)} long, in the shape's units`);
   byId("axes").toggleAttribute("hidden", !state.axes);
-  if (state.axes) byId("axes").replaceChildren(...axisLines());
+  if (!state.axes) return;
+  // Shapes that look elsewhere among their axes have axes of their own, in the order of the shapes.
+  const fronts = data.shapes.map((shape) => shape.front ?? 0);
+  const near = (front) => Math.cos(((front - fronts[0]) * Math.PI) / 180) > 0.999;
+  const shown = fronts.every(near) ? fronts.slice(0, 1) : fronts;
+  byId("axes").setAttribute("width", 80 * shown.length);
+  byId("axes").replaceChildren(...shown.flatMap((front, i) => axisLines(camera.axes(front), 40 + 80 * i)));
 }
 
-// The axes seen from here, the one that points away first.
-function axisLines() {
-  const axes = camera.axes();
+// The axes seen from here, the one that points away first, about a place across.
+function axisLines(axes, middle) {
   const make = (kind, attributes, text = "") => {
     const node = document.createElementNS(SVG, kind);
     Object.entries(attributes).forEach(([name, value]) => node.setAttribute(name, value));
@@ -37,8 +42,8 @@ function axisLines() {
   return order.flatMap((a) => {
     const [name, stroke] = AXES[a];
     const [x, y] = [axes[0][a], -axes[1][a]];
-    const line = make("line", { x1: 40, y1: 40, x2: 40 + 24 * x, y2: 40 + 24 * y, stroke, "stroke-width": 3, "stroke-linecap": "round" });
-    return [line, make("text", { x: 40 + 33 * x, y: 44 + 33 * y, "text-anchor": "middle" }, name)];
+    const line = make("line", { x1: middle, y1: 40, x2: middle + 24 * x, y2: 40 + 24 * y, stroke, "stroke-width": 3, "stroke-linecap": "round" });
+    return [line, make("text", { x: middle + 33 * x, y: 44 + 33 * y, "text-anchor": "middle" }, name)];
   });
 }
 

@@ -56,10 +56,13 @@ class Panel {
     return this.tables[list].flatMap((table, shape) => table.order.map((id) => ({ shape, id })));
   }
 
-  // What a region is matched with: [id, distance] or undefined.
-  partner(s, id) {
-    const pair = this.data.matches.find((m) => m[s] === id);
-    return pair && [pair[1 - s], pair[2]];
+  // What a part or region is matched with.
+  matched(s, id, list) {
+    if (!this.data.matches[list].length) return [];
+    const pair = this.data.matches[list].find((m) => m[s] === id);
+    if (!pair) return [["match", "none"]];
+    const found = element("span", {}, this.link(1 - s, pair[1 - s], list), ...(pair[3] ? [", which is wrong"] : []));
+    return [["match", found], ["distance", show(pair[2])]];
   }
 
   // The name of a part or region that chooses it.
@@ -111,6 +114,7 @@ class Panel {
     if (this.sides("parts")) pairs.push(["side", showSide(part.side)]);
     pairs.push(["grew from", part.region === null ? "what the others leave" : this.link(s, part.region, "regions")]);
     pairs.push(["in it", this.links(s, inside, "regions")]);
+    pairs.push(...this.matched(s, id, "parts"));
     return pairs;
   }
 
@@ -134,11 +138,7 @@ class Panel {
       const part = grown < 0 ? shape.partOfRegion[id] : grown;
       pairs.push(["part", part < 0 ? "several" : this.link(s, part, "parts")]);
     }
-    const partner = this.partner(s, id);
-    if (this.data.matches.length) {
-      pairs.push(["match", partner ? this.link(1 - s, partner[0], "regions") : "none"]);
-      if (partner) pairs.push(["distance", show(partner[1])]);
-    }
+    pairs.push(...this.matched(s, id, "regions"));
     return pairs;
   }
 

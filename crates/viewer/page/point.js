@@ -38,7 +38,8 @@ function point(x, y) {
   tip.style.top = `${y}px`;
 }
 
-// Chooses the part or innermost region at a place; within the chosen one, the region around that.
+// Chooses the part or innermost region at a place; again at a place in the same innermost one, the region around the chosen one.
+let clicked = null;
 function click(x, y) {
   const hit = renderer?.pick(x, y);
   const innermost = hit ? itemAt(hit) : null;
@@ -48,7 +49,11 @@ function click(x, y) {
   }
   const shape = data.shapes[hit.shape];
   const chosen = state.chosen?.shape === hit.shape ? state.chosen.id : null;
-  const again = chosen !== null && membership(shape, listed(), chosen, hit.kind)(hit.number);
+  const here = { shape: hit.shape, id: innermost };
+  const within = chosen !== null && membership(shape, listed(), chosen, hit.kind)(hit.number);
+  // What was chosen elsewhere, as by the table or as a part, is left for what is seen here.
+  const again = within && (chosen === innermost || same(here, clicked));
+  clicked = here;
   const next = again ? shape[listed()][chosen].parent ?? innermost : innermost;
   if (next !== chosen) choose(hit.shape, next);
 }

@@ -50,7 +50,7 @@ class Renderer {
 
   frame(s) {
     const [, , width, height] = this.views[s];
-    const axes = camera.axes();
+    const axes = camera.axes(data.shapes[s].front ?? 0);
     const turn = new Float32Array(9);
     for (let a = 0; a < 3; a++) for (let i = 0; i < 3; i++) turn[3 * a + i] = axes[i][a];
     const unit = this.unit(width / height);

@@ -35,11 +35,11 @@ let dirty = false;
 const listed = () => (state.mode === "parts" ? "parts" : "regions");
 const same = (p, q) => p?.shape === q?.shape && p?.id === q?.id;
 
-// What a choice stands for on a shape: itself, or the region it is matched with.
-function idsOf(choice, s) {
+// What a choice stands for on a shape: itself, or what it is matched with.
+function idsOf(choice, s, list = listed()) {
   if (!choice) return [];
   if (choice.shape === s) return [choice.id];
-  return data.matches.filter((m) => m[choice.shape] === choice.id).map((m) => m[s]);
+  return data.matches[list].filter((m) => m[choice.shape] === choice.id).map((m) => m[s]);
 }
 
 // The mirror images of what is chosen.
@@ -116,6 +116,7 @@ function setMode(mode) {
   if (listed() !== from) {
     state.chosen = counterpart(state.chosen, from);
     state.hovered = null;
+    clicked = null;
   }
   panel.show(state.chosen);
   refresh();
@@ -156,6 +157,8 @@ function setFlip(flip) {
 function showMerge(shape, tree, share) {
   setTree(tree, shape);
   setLevel(share);
+  // The tree is below the table; on a phone the picture would go out of sight.
+  if (window.matchMedia("(min-width: 801px)").matches) byId("tree-part").scrollIntoView({ block: "end" });
 }
 
 function setCut(axis) {
@@ -172,7 +175,7 @@ function refresh() {
   });
   if (hasTrees) {
     const chosen = listed() === "parts" ? counterpart(state.chosen, "parts") : state.chosen;
-    treePicture.update(state.level, idsOf(chosen, state.treeShape));
+    treePicture.update(state.level, idsOf(chosen, state.treeShape, "regions"));
     const tree = data.shapes[state.treeShape].trees[state.tree];
     const at = 256 * state.level;
     const altitude = tree.quantiles[Math.round(at)];

@@ -7,14 +7,15 @@ const UNRELIABLE = 0.5;
 // all; above the table stand all numbers of what is chosen.
 function columns(data, list, s, links) {
   const items = data.shapes.flatMap((shape) => shape[list]);
-  const { matches } = data;
-  const partner = (id) => matches.find((m) => m[s] === id)?.[1 - s];
+  const matches = data.matches[list];
+  const pair = (id) => matches.find((m) => m[s] === id);
+  const partner = (id) => pair(id)?.[1 - s];
   const found = [
     { head: NOUNS[list], value: (_, id) => id },
-    list === "regions" && matches.length && {
+    matches.length && {
       head: "match",
       value: (_, id) => partner(id) ?? null,
-      cell: (_, id) => (partner(id) === undefined ? "none" : `${s === 0 ? "→" : "←"} ${partner(id)}`),
+      cell: (_, id) => (partner(id) === undefined ? "none" : `${s === 0 ? "→" : "←"} ${partner(id)}${pair(id)[3] ? ", wrong" : ""}`),
     },
     items.some((item) => item.twins.length) && {
       head: "twin",

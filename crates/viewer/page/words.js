@@ -11,6 +11,7 @@ const WORDS = {
   side: ["From −1 on one side of the body to +1 on the other; which of them is the left one is not said.", "docs/sides.md"],
   tree: ["The component tree that the region was found in; t_rel is how long heat flows, relative to the size of the shape.", "docs/weights.md"],
   "merges at": ["How much of the shape has entered when the component around the region becomes one with another; a click shows it.", "ARCHITECTURE.md#component-trees"],
+  front: ["Where the body looks, told by its limbs that are mirror images, its head and its toes; Front, Side and Back are seen from there.", "docs/formats.md#viewhtml-and-pictures"],
   level: ["The threshold that moves: a place enters when the level reaches its weight, and connected places form components.", "ARCHITECTURE.md#component-trees"],
 };
 

@@ -39,6 +39,8 @@ pub struct SequenceFrame<'a> {
 pub struct SequenceTrack {
     /// Its colour in all frames.
     pub colour: Rgb,
+    /// The track that it has its colour of; itself where it has one of its own.
+    pub colour_of: u32,
     /// Where it is found.
     pub sightings: Vec<TrackPoint>,
 }
@@ -69,11 +71,12 @@ pub struct TrackPoint {
 /// let corners = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
 /// let mesh = TriangleMesh::new(corners, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])?;
 /// let point = |frame| TrackPoint { frame, volume_fraction: 0.2, overlap: None, reliability: Some(0.9) };
-/// let mut page = SequencePage::new("A tetrahedron", Up::Y);
+/// let mut page = SequencePage::new("A tetrahedron", Up::Y, None);
 /// for number in 0..2 {
 ///     page.push(&SequenceFrame { number, time: None, mesh: &mesh, track: &[0, -1, -1, 0], parents: &[] })?;
 /// }
-/// let html = page.finish(2, &[SequenceTrack { colour: PALETTE[0].middle, sightings: vec![point(0), point(1)] }], "");
+/// let track = SequenceTrack { colour: PALETTE[0].middle, colour_of: 0, sightings: vec![point(0), point(1)] };
+/// let html = page.finish(2, &[track], "");
 /// assert!(html.starts_with("<!DOCTYPE html>"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -81,6 +84,7 @@ pub struct TrackPoint {
 pub struct SequencePage {
     title: String,
     up: Up,
+    front: Option<f64>,
     pack: Pack,
     frames: Vec<Value>,
     times: Vec<f64>,
@@ -90,11 +94,12 @@ pub struct SequencePage {
 }
 
 impl SequencePage {
-    /// A page without frames.
-    pub fn new(title: &str, up: Up) -> Self {
+    /// A page without frames. `front` is the azimuth of the body's front, in degrees ([`View::azimuth`](crate::View::azimuth)), from
+    /// which the page counts its own; without one that is finite the file's axes rule.
+    pub fn new(title: &str, up: Up, front: Option<f64>) -> Self {
         let title = title.to_owned();
         let (pack, frames, times) = (Pack::default(), Vec::new(), Vec::new());
-        Self { title, up, pack, frames, times, last: Vec::new(), triangles: Vec::new() }
+        Self { title, up, front, pack, frames, times, last: Vec::new(), triangles: Vec::new() }
     }
 
     /// Adds the next frame.
@@ -147,12 +152,14 @@ impl SequencePage {
         let track = |track: &SequenceTrack| {
             json!({
                 "colour": track.colour.0,
+                "colourOf": track.colour_of,
                 "sightings": track.sightings.iter().map(point).collect::<Vec<_>>(),
             })
         };
         let head = json!({
             "title": self.title,
             "up": self.up.name(),
+            "front": self.front.filter(|front| front.is_finite()),
             "none": NO_REGION.0,
             "shapes": [],
             "frames": self.frames,
@@ -185,7 +192,7 @@ mod tests {
         let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
         let mesh = TriangleMesh::new(corners, faces).unwrap();
         let other = TriangleMesh::new(mesh.vertices().to_vec(), mesh.triangles()[1..].to_vec()).unwrap();
-        let mut page = SequencePage::new("t", Up::Z);
+        let mut page = SequencePage::new("t", Up::Z, None);
         for (number, mesh) in [&mesh, &mesh, &other].into_iter().enumerate() {
             page.push(&SequenceFrame { number, time: None, mesh, track: &[0, 0, -1, 1], parents: &[[1, 0]] })
                 .unwrap();

@@ -181,7 +181,7 @@ pub fn cut_shows_the_inside(session: &mut Session<'_>) -> Result<(), String> {
 pub fn works_on_a_phone(session: &mut Session<'_>) -> Result<(), String> {
     session.browser.be_a_phone()?;
     session.load("figure.html")?;
-    session.browser.evaluate("document.querySelector('[data-view=\"0 0\"]').click()")?;
+    session.browser.evaluate("document.querySelector('[data-view=\"1\"]').click()")?;
     let (place, region) = session.arm(0, 1)?;
     session.browser.tap(place)?;
     session.shot("phone.png")?;
@@ -194,6 +194,18 @@ pub fn matches_are_linked(session: &mut Session<'_>) -> Result<(), String> {
     session.load("pair.html")?;
     session.browser.press("1")?;
     let (place, region) = session.arm(1, 2)?;
+    // Parts first: that of the arm on both shapes.
+    session.browser.click(place)?;
+    session.shot("pair-parts.png")?;
+    let (title, text) = (session.browser.text("#details h2")?, session.browser.text("#details")?);
+    let part =
+        title.strip_prefix("Part ").and_then(|rest| rest.split(' ').next()).unwrap_or("none").to_owned();
+    let rows = session.browser.evaluate("document.querySelectorAll('tr.chosen').length")?;
+    if !text.contains(&format!("matchpart {part}")) || rows != 2 {
+        return Err(format!("a click on an arm chooses {rows} parts and says {text:?}"));
+    }
+    session.browser.press("Escape")?;
+    session.browser.press("m")?;
     session.browser.click(place)?;
     session.shot("pair.png")?;
     session.expect_details(region)?;

@@ -7,6 +7,7 @@ use mser3d_results::{Results, Up};
 use mser3d_viewer::{SequenceFrame, SequencePage, SequenceTrack, TrackPoint};
 
 use super::session::{Session, colours, write};
+use crate::command::mser3d;
 
 /// Frames of the page.
 const FRAMES: usize = 24;
@@ -15,7 +16,7 @@ const BRIEF: usize = 1;
 
 /// A page on which the figure bows, its regions as tracks.
 pub(super) fn page(results: &Results, path: &Path) -> Result<(), Box<dyn std::error::Error>> {
-    let mut page = SequencePage::new("A figure in motion", Up::Y);
+    let mut page = SequencePage::new("A figure in motion", Up::Y, results.front(Up::Y));
     let track = results.vertex_region();
     let parents: Vec<[u32; 2]> =
         results.record.regions.iter().filter_map(|r| Some([r.id, r.parent?])).collect();
@@ -42,6 +43,7 @@ pub(super) fn page(results: &Results, path: &Path) -> Result<(), Box<dyn std::er
             };
             SequenceTrack {
                 colour: colours[region.id as usize],
+                colour_of: region.id,
                 sightings: (0..found).map(sighting).collect(),
             }
         })
@@ -54,6 +56,52 @@ pub(super) fn page(results: &Results, path: &Path) -> Result<(), Box<dyn std::er
 /// It plays, stops, goes by slider and keyboard, and shows a track's numbers.
 pub(super) fn plays(session: &mut Session<'_>) -> Result<(), String> {
     session.load("sequence.html")?;
+    plays_on(session, "sequence")?;
+    // From the table: a track that is found in half of the frames.
+    let row = format!("document.querySelectorAll('#tracks tbody button')[{BRIEF}].click()");
+    session.browser.evaluate(&row)?;
+    let told = session.browser.text("#details")?;
+    let wanted = [
+        format!("Track {BRIEF}"),
+        format!("found in {} of {FRAMES} frames", FRAMES / 2),
+        "Reliability".into(),
+    ];
+    if let Some(missing) = wanted.iter().find(|w| !told.contains(w.as_str())) {
+        return Err(format!("the panel says {told:?}, without {missing:?}"));
+    }
+    session.shot("sequence-track.png")?;
+    // From the body: its middle belongs to some track, or to none, and then nothing is chosen.
+    session.browser.press("Escape")?;
+    let place = session.centre("#canvas", 0.5)?;
+    session.browser.click(place)?;
+    let told = session.browser.text("#details h2")?;
+    if !told.starts_with("Track") && told != "No track chosen" {
+        return Err(format!("after a click on the body the panel is headed {told:?}"));
+    }
+    Ok(())
+}
+
+/// The frames of an animated file, tracked by the program, play too: of the fox where it is there, else of a figure.
+pub(super) fn animation_plays(session: &mut Session<'_>) -> Result<(), String> {
+    session.load("moving/tracks.html")?;
+    plays_on(session, "moving")?;
+    session.press_button("[data-view=\"2\"]")?;
+    session.shot("moving-side.png").map(|_| ())
+}
+
+/// Tracks an animated file, and writes its page to a folder.
+pub(super) fn track(folder: &Path) -> Result<(), String> {
+    let fox = Path::new("../shared/data/gltf/Fox.glb");
+    let (file, animation) =
+        if fox.exists() { (fox, "Run") } else { (Path::new("fixtures/quadruped.glb"), "poses") };
+    let (file, folder, frames) =
+        (file.display().to_string(), folder.display().to_string(), FRAMES.to_string());
+    let what = ["--animation", animation, "--frames", &frames, "--voxels", "8000", "--html", "--quiet"];
+    mser3d(&[&["track", &file, "-o", &folder], &what[..]].concat())
+}
+
+/// Three times look different; it plays, stops, and goes frame by frame.
+fn plays_on(session: &mut Session<'_>, name: &str) -> Result<(), String> {
     let mut shots = Vec::new();
     for (number, frame) in [0, 6, 12].into_iter().enumerate() {
         let go = format!(
@@ -64,7 +112,7 @@ pub(super) fn plays(session: &mut Session<'_>) -> Result<(), String> {
         if !said.starts_with(&format!("frame {frame} of {FRAMES}")) {
             return Err(format!("at frame {frame} the page says {said:?}"));
         }
-        shots.push(session.shot(&format!("sequence-{}.png", number + 1))?);
+        shots.push(session.shot(&format!("{name}-{}.png", number + 1))?);
     }
     if shots[0] == shots[1] || shots[1] == shots[2] {
         return Err("two times look the same".into());
@@ -89,27 +137,6 @@ pub(super) fn plays(session: &mut Session<'_>) -> Result<(), String> {
     session.browser.press(".")?;
     if session.browser.text("#now")? == stopped {
         return Err("the point key shows no other frame".into());
-    }
-    // From the table: a track that is found in half of the frames.
-    let row = format!("document.querySelectorAll('#tracks tbody button')[{BRIEF}].click()");
-    session.browser.evaluate(&row)?;
-    let told = session.browser.text("#details")?;
-    let wanted = [
-        format!("Track {BRIEF}"),
-        format!("found in {} of {FRAMES} frames", FRAMES / 2),
-        "Reliability".into(),
-    ];
-    if let Some(missing) = wanted.iter().find(|w| !told.contains(w.as_str())) {
-        return Err(format!("the panel says {told:?}, without {missing:?}"));
-    }
-    session.shot("sequence-track.png")?;
-    // From the body: its middle belongs to some track, or to none, and then nothing is chosen.
-    session.browser.press("Escape")?;
-    let place = session.centre("#canvas", 0.5)?;
-    session.browser.click(place)?;
-    let told = session.browser.text("#details h2")?;
-    if !told.starts_with("Track") && told != "No track chosen" {
-        return Err(format!("after a click on the body the panel is headed {told:?}"));
     }
     Ok(())
 }

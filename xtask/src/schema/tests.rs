@@ -2,7 +2,7 @@ use mser3d::shape::{BitGrid, Frame, VoxelGrid};
 use mser3d::voxelize::Pitch;
 use mser3d::{Descriptor, DescriptorKind, Detector, Input, Parameters, Weight};
 use mser3d_results::msv::{MsvResults, MsvSearchParameters};
-use mser3d_results::{Results, ShapeFile};
+use mser3d_results::{Identity, Results, ShapeFile, Sighting, Track, TrackParameters, TrackedFrame};
 use mser3d_volumeio::{Affine, Volume};
 use serde_json::json;
 
@@ -69,6 +69,63 @@ fn msv_records_conform() {
     assert!(found.searches.iter().any(|search| !search.regions.is_empty()));
     let record = serde_json::to_value(&found).unwrap();
     assert_eq!(problems(&schema, &schema, &record, "record"), [""; 0]);
+}
+
+#[test]
+fn track_records_conform() {
+    let schema = schema::<TracksRecord>("tracks.json").to_value();
+    let frame = |time, regions, identity| TrackedFrame {
+        name: "fox_0".into(),
+        path: "fox.glb".into(),
+        time,
+        regions,
+        identity,
+    };
+    let sighting = |frame, overlap, likeness| Sighting {
+        frame,
+        region: 3,
+        overlap,
+        likeness,
+        reliability: overlap,
+        volume: 2.0,
+        volume_fraction: 0.25,
+        centroid: [0.0, -1.5, 1e9],
+    };
+    let track = Track {
+        id: 0,
+        colour: [0, 120, 255],
+        colour_of: 0,
+        first_frame: 0,
+        last_frame: 3,
+        found: 3,
+        mean_overlap: Some(0.75),
+        reliability: None,
+        sightings: vec![
+            sighting(0, None, None),
+            sighting(1, Some(0.75), None),
+            sighting(3, None, Some(f64::NAN)),
+        ],
+    };
+    let frames = vec![
+        frame(Some(0.0), Some(1), None),
+        frame(Some(0.5), Some(1), Some(Identity::Vertices)),
+        frame(None, None, None),
+        frame(None, Some(1), Some(Identity::Descriptors)),
+    ];
+    let mut tracks = TracksRecord::new(TrackParameters::default(), frames, vec![track]);
+    tracks.warnings.push("1 frame has no result".into());
+    let record = serde_json::to_value(&tracks).unwrap();
+    assert_eq!(problems(&schema, &schema, &record, "record"), [""; 0]);
+    // And what another program might write is told.
+    let mut wrong = record.clone();
+    wrong["tracks"][0]["colour"] = json!([0, 120]);
+    wrong["frames"][1]["identity"] = json!("names");
+    wrong["tracks"][0]["sightings"][1].as_object_mut().unwrap().remove("region");
+    let told = problems(&schema, &schema, &wrong, "record").join("; ");
+    for problem in ["record.tracks[0].colour", "record.frames[1].identity", "sightings[1] has no \"region\""]
+    {
+        assert!(told.contains(problem), "{told}");
+    }
 }
 
 /// Where a value does not conform to a schema: the part of JSON Schema that our schemas use.

@@ -10,7 +10,7 @@ use crate::CollectionError;
 pub(super) const GLB: &str = "tracks.glb";
 
 /// Writes a tracked sequence from its folder as binary glTF, `tracks.glb`, for Blender and the web: the animation, with the colour of
-/// its innermost track in the first frame at each vertex, of those that are found in half of the frames or more.
+/// its innermost track in the first frame at each vertex, of the pieces of the body that are found in half of the frames or more.
 ///
 /// # Errors
 /// [`CollectionError::NotACollection`] where frames have other triangles than the first, or less than two have a result; errors

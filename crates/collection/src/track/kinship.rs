@@ -31,47 +31,64 @@ impl Kinship {
         }
     }
 
-    /// The colours of the tracks. Those that come first in `order` choose first; `touching` lists tracks that touch in any frame.
+    /// The colours of the tracks: one for all that have the colour of one track. Those that come first in `order` choose first; `touching` lists
+    /// tracks that touch in any frame.
     pub fn colours(
         &self,
         tracks: &[Track],
         order: &[usize],
         touching: &[[u32; 2]],
     ) -> Result<Vec<Rgb>, mser3d::Error> {
+        let of: Vec<u32> = tracks.iter().map(|track| track.colour_of).collect();
+        let pieces: Vec<u32> = order.iter().map(|&t| t as u32).filter(|&t| of[t as usize] == t).collect();
         let mut place = vec![0; tracks.len()];
-        (0u32..).zip(order).for_each(|(to, &track)| place[track] = to);
-        let most = |counts: &BTreeMap<[u32; 2], usize>, track: u32| {
-            let own = counts.range([track, 0]..=[track, u32::MAX]);
-            own.max_by_key(|([_, other], count)| (**count, std::cmp::Reverse(*other)))
-                .map(|([_, other], _)| *other)
-        };
-        let traits = |&track: &usize| {
-            let own = tracks[track].id;
-            let twin =
-                most(&self.twins, own).filter(|&twin| twin != own && most(&self.twins, twin) == Some(own));
+        (0..).zip(&pieces).for_each(|(to, &piece)| place[piece as usize] = to);
+        let (twins, parents) = (between(&self.twins, &of), between(&self.parents, &of));
+        let members =
+            |piece: u32| tracks.iter().filter(|track| of[track.id as usize] == piece).collect::<Vec<_>>();
+        let traits = |&piece: &u32| {
+            let twin = most(&twins, piece).filter(|&twin| most(&twins, twin) == Some(piece));
+            let found: usize = members(piece).into_iter().map(|track| track.found).sum();
+            let sides: Vec<f64> =
+                members(piece).into_iter().filter_map(|track| self.sides.get(&track.id).copied()).collect();
             RegionTraits {
-                parent: most(&self.parents, own)
-                    .filter(|&parent| parent != own)
-                    .map(|parent| place[parent as usize]),
-                family: Some(twin.map_or(own, |twin| twin.min(own))),
-                side: self.sides.get(&own).map(|sum| sum / tracks[track].found.max(1) as f64),
+                parent: most(&parents, piece).map(|parent| place[parent as usize]),
+                family: Some(twin.map_or(piece, |twin| twin.min(piece))),
+                side: (!sides.is_empty()).then(|| sides.iter().sum::<f64>() / found.max(1) as f64),
             }
         };
-        let traits: Vec<RegionTraits> = order.iter().map(traits).collect();
-        // One label for each track, which the graph joins; then as many as are seen of it.
+        let traits: Vec<RegionTraits> = pieces.iter().map(traits).collect();
+        // One label for each piece, which the graph joins; then as many as are seen of it.
         let frames = tracks.iter().map(|track| track.last_frame + 1).max().unwrap_or(1);
-        let mut labels: Vec<i32> = (0..order.len() as i32).collect();
-        for (label, &track) in (0..).zip(order) {
-            let seen: f64 = tracks[track].sightings.iter().map(|sighting| sighting.volume_fraction).sum();
-            let count = (LABELS_OF_A_FRAME * seen / frames as f64) as usize;
+        let mut labels: Vec<i32> = (0..pieces.len() as i32).collect();
+        for (label, &piece) in (0..).zip(&pieces) {
+            let seen = |track: &Track| track.sightings.iter().map(|s| s.volume_fraction).sum::<f64>();
+            let most = members(piece).into_iter().map(seen).fold(0.0, f64::max);
+            let count = (LABELS_OF_A_FRAME * most / frames as f64) as usize;
             labels.extend(std::iter::repeat_n(label, count));
         }
-        let edges = touching.iter().map(|pair| pair.map(|track| place[track as usize]));
-        let graph = Graph::from_edges(order.len(), &edges.collect::<Vec<_>>())?;
-        let mut colours = vec![Rgb::WHITE; tracks.len()];
-        for (&track, colour) in order.iter().zip(region_colours(&traits, &labels, &graph)) {
-            colours[track] = colour;
-        }
-        Ok(colours)
+        let edges = touching.iter().map(|pair| pair.map(|track| place[of[track as usize] as usize]));
+        let edges: Vec<[u32; 2]> = edges.filter(|[a, b]| a != b).collect();
+        let graph = Graph::from_edges(pieces.len(), &edges)?;
+        let colours = region_colours(&traits, &labels, &graph);
+        Ok(of.iter().map(|&piece| colours[place[piece as usize] as usize]).collect())
     }
+}
+
+/// Counts between tracks as counts between pieces.
+fn between(counts: &BTreeMap<[u32; 2], usize>, of: &[u32]) -> BTreeMap<[u32; 2], usize> {
+    let mut sums = BTreeMap::new();
+    for (pair, count) in counts {
+        let [a, b] = pair.map(|track| of[track as usize]);
+        if a != b {
+            *sums.entry([a, b]).or_insert(0) += count;
+        }
+    }
+    sums
+}
+
+/// What a piece is most often counted with.
+fn most(counts: &BTreeMap<[u32; 2], usize>, piece: u32) -> Option<u32> {
+    let own = counts.range([piece, 0]..=[piece, u32::MAX]);
+    own.max_by_key(|([_, other], count)| (**count, std::cmp::Reverse(*other))).map(|([_, other], _)| *other)
 }

@@ -1,12 +1,21 @@
-use mser3d_results::{Results, TracksRecord};
+use std::collections::BTreeSet;
+
+use mser3d_results::{Results, Track, TracksRecord};
 use mser3d_viewer::Rgb;
 
-/// The innermost track at each vertex of a frame that is found in half of all frames or more; -1 for none. What comes and goes would
-/// make pictures flicker.
+/// The innermost track at each vertex of a frame whose piece of the body is found in half of all frames or more, by it or by another of its
+/// colour; -1 for none. What comes and goes would make pictures flicker.
 pub(super) fn lasting_tracks(results: &Results, record: &TracksRecord) -> Vec<i32> {
     let regions = &results.record.regions;
+    let mut frames = vec![BTreeSet::new(); record.tracks.len()];
+    for Track { colour_of, sightings, .. } in &record.tracks {
+        if let Some(own) = frames.get_mut(*colour_of as usize) {
+            own.extend(sightings.iter().map(|sighting| sighting.frame));
+        }
+    }
     let lasts = |track: u32| {
-        record.tracks.get(track as usize).is_some_and(|track| 2 * track.found >= record.frames.len())
+        let piece = record.tracks.get(track as usize).and_then(|track| frames.get(track.colour_of as usize));
+        piece.is_some_and(|own| 2 * own.len() >= record.frames.len())
     };
     // Parents come first.
     let mut shown: Vec<i32> = Vec::with_capacity(regions.len());

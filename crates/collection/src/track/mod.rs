@@ -1,11 +1,13 @@
 //! Regions followed through a sequence of results.
 
+mod front;
 mod glb;
 mod kinship;
 mod lasting;
 mod likeness;
 mod page;
 mod pictures;
+mod pieces;
 mod reliability;
 mod sequence;
 mod tables;

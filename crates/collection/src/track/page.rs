@@ -3,6 +3,7 @@ use std::path::Path;
 use mser3d_results::{Identity, RegionRecord, Results, ResultsError, TracksRecord, Up};
 use mser3d_viewer::{Rgb, SequenceFrame, SequencePage, SequenceTrack, TrackPoint};
 
+use super::front::front;
 use crate::CollectionError;
 
 /// The page of a sequence may have so many bytes for its frames.
@@ -13,7 +14,7 @@ const OF_VERTEX: f64 = 8.0 * 4.0 / 3.0;
 const OF_TRIANGLE: f64 = 12.0 * 4.0 / 3.0;
 
 /// A page on which a tracked sequence plays in a browser, from the folder that [`track_results`](crate::track_results) wrote:
-/// each frame's surface in the colours of its tracks, a slider for the time, and each track's numbers over time.
+/// each frame's surface in the colours of its tracks, seen from its body's front, a slider for the time, and each track's numbers over time.
 ///
 /// Where all frames would make the page larger than about 9 MB, only every second is on it, or every third, and so on, and the page says so.
 ///
@@ -40,7 +41,7 @@ pub fn track_page(folder: &Path, title: &str, up: Up) -> Result<String, Collecti
         return Err(CollectionError::LargeSequence { bytes, limit: LARGEST as usize });
     }
     let step = there.len().div_ceil(room);
-    let mut page = SequencePage::new(title, up);
+    let mut page = SequencePage::new(title, up, front(folder, &record, up)?);
     for &frame in there.iter().step_by(step) {
         let results = load(frame)?;
         let of_region = |region: u32| results.record.regions.get(region as usize)?.track;
@@ -65,6 +66,7 @@ pub fn track_page(folder: &Path, title: &str, up: Up) -> Result<String, Collecti
         .iter()
         .map(|track| SequenceTrack {
             colour: Rgb(track.colour),
+            colour_of: track.colour_of,
             sightings: (track.sightings.iter())
                 .map(|s| TrackPoint {
                     frame: s.frame,

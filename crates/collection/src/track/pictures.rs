@@ -8,6 +8,7 @@ use mser3d_viewer::{
     Colours, Image, Model, Panel, View, ViewerError, frame_milliseconds, render, write_animation,
 };
 
+use super::front::front;
 use super::lasting::{colours, lasting_tracks};
 use crate::CollectionError;
 
@@ -21,8 +22,8 @@ const STRIP_FRAMES: usize = 8;
 const MOST_FRAMES: usize = 240;
 
 /// Draws a tracked sequence from its folder: `strip.png`, up to eight of its frames in a row, and `moving.png`, an animated PNG of all
-/// frames (of more than 240 frames only of every second, third and so on). Tracks that are found in half of the
-/// frames or more have their colours, and the camera stays.
+/// frames (of more than 240 frames only of every second, third and so on). What is found in half of the
+/// frames or more has its colour, and the camera stays, before the body's own front where that can be told.
 ///
 /// # Errors
 /// Errors of reading the folder and of drawing.
@@ -40,6 +41,7 @@ pub fn track_pictures(folder: &Path, options: &RenderOptions) -> Result<(), Coll
     let Some(stage) = BoundingBox::around(corners) else {
         return Err(ResultsError::from(ViewerError::Empty { reason: "no frame has a surface" }).into());
     };
+    let view = View::THREE_QUARTER.turned(front(folder, &record, options.up)?.unwrap_or(0.0));
     let colours = colours(&record);
     let model = |frame: usize| -> Result<Model, ResultsError> {
         let results = load(frame)?;
@@ -57,7 +59,7 @@ pub fn track_pictures(folder: &Path, options: &RenderOptions) -> Result<(), Coll
     let chosen = |i: usize| there[i * (there.len() - 1) / (count - 1).max(1)];
     let models = (0..count).map(|i| model(chosen(i))).collect::<Result<Vec<Model>, ResultsError>>()?;
     let panels: Vec<Panel<'_>> = (models.iter().enumerate())
-        .map(|(i, model)| Panel { model, view: View::THREE_QUARTER, caption: caption(chosen(i)) })
+        .map(|(i, model)| Panel { model, view, caption: caption(chosen(i)) })
         .collect();
     let strip = render(&panels, options).map_err(ResultsError::from)?;
     write(&folder.join(STRIP), |out| strip.write_png(out))?;
@@ -67,7 +69,7 @@ pub fn track_pictures(folder: &Path, options: &RenderOptions) -> Result<(), Coll
     let mut times = Vec::new();
     for &frame in there.iter().step_by(step) {
         let model = &model(frame)?;
-        let panel = Panel { model, view: View::THREE_QUARTER, caption: String::new() };
+        let panel = Panel { model, view, caption: String::new() };
         pictures.push(render(&[panel], options).map_err(ResultsError::from)?);
         times.extend(record.frames[frame].time);
     }

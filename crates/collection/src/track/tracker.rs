@@ -5,6 +5,7 @@ use mser3d_results::{Identity, Results, Sighting, Track, TrackParameters, Tracke
 
 use super::kinship::Kinship;
 use super::likeness::{Likeness, Seen, Surfaces};
+use super::pieces::Pieces;
 use super::reliability::pooled;
 use super::touching::Touching;
 use crate::CollectionError;
@@ -29,6 +30,7 @@ pub(super) struct Tracker {
     recent: VecDeque<(usize, Seen)>,
     touching: Touching,
     kinship: Kinship,
+    pieces: Pieces,
 }
 
 /// The partner of a region on an earlier frame.
@@ -45,6 +47,7 @@ impl Tracker {
             recent: VecDeque::new(),
             touching: Touching::default(),
             kinship: Kinship::default(),
+            pieces: Pieces::default(),
         })
     }
 
@@ -84,6 +87,7 @@ impl Tracker {
                 self.tracks.push(Track {
                     id: track as u32,
                     colour: [0; 3],
+                    colour_of: track as u32,
                     first_frame: frame,
                     last_frame: frame,
                     found: 0,
@@ -100,6 +104,7 @@ impl Tracker {
         }
         self.touching.add(results, &track_of);
         self.kinship.add(results, &track_of);
+        self.pieces.add(results, &track_of);
         let before = self.recent.back().map(|(_, before)| seen.identity(before));
         self.frames.push(TrackedFrame {
             name: name.to_owned(),
@@ -152,6 +157,9 @@ impl Tracker {
         // Those that are found longest choose first.
         let mut order: Vec<usize> = (0..self.tracks.len()).collect();
         order.sort_by_key(|&track| std::cmp::Reverse(self.tracks[track].found));
+        for (track, piece) in self.tracks.iter_mut().zip(self.pieces.first_of_each(&order)) {
+            track.colour_of = piece;
+        }
         let colours = self.kinship.colours(&self.tracks, &order, &self.touching.pairs())?;
         for (track, colour) in self.tracks.iter_mut().zip(colours) {
             track.colour = colour.0;

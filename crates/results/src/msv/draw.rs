@@ -83,6 +83,7 @@ impl MsvResults {
         );
         let shape = PageShape {
             name: self.name(),
+            front: None,
             mesh: &drawn.mesh,
             grid: Some(&drawn.grid),
             vertex_voxel: &drawn.vertex_voxel,
@@ -92,7 +93,8 @@ impl MsvResults {
             trees: Vec::new(),
             facts,
         };
-        Ok(page(&PageData { title: title.to_owned(), shapes: vec![shape], matches: Vec::new(), up })?)
+        let (title, matches, part_matches) = (title.to_owned(), Vec::new(), Vec::new());
+        Ok(page(&PageData { title, shapes: vec![shape], matches, part_matches, up })?)
     }
 
     /// The volume's file name, without folder and endings.

@@ -198,7 +198,7 @@ fn matched_regions_are_linked() {
     assert_eq!(second[1], matched);
     assert_eq!(first.iter().chain(&second).filter(others).count(), first.len() + second.len() - 2);
     let html = results.match_page(results, &matches, "pair", Up::Y).unwrap();
-    assert!(html.contains("\"matches\":[[0,1,0.25]]"));
+    assert!(html.contains("\"matches\":{\"parts\":[],\"regions\":[[0,1,0.25,false]]}"));
     let options = RenderOptions { height: 60, ..Default::default() };
     results.match_sheet(results, &matches, &options).unwrap();
     let beyond = [RegionPair { first: 0, second: 999, distance: 0.25, mistake: false }];

@@ -4,22 +4,26 @@ use mser3d::{Detector, Input, Parameters};
 use mser3d_meshio::{ReadOptions, read_mesh};
 use mser3d_results::{Results, Up};
 
-fn fixture(name: &str) -> TriangleMesh {
+pub fn fixture(name: &str) -> TriangleMesh {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures").join(name);
     read_mesh(&path, &ReadOptions::default()).unwrap().mesh
 }
 
-fn front(mesh: &TriangleMesh, up: Up) -> Option<f64> {
+pub fn detected(mesh: &TriangleMesh) -> Results {
     let mut parameters = Parameters::default();
     parameters.voxelize.pitch = Pitch::Voxels(8000);
     parameters.spectrum.eigenpairs = 50.into();
     parameters.reliability.deformations = Some(0);
     let features = Detector::new(parameters).detect(Input::Volume(mesh)).unwrap();
-    Results::new(&features, Some(mesh), "shape.off").unwrap().front(up)
+    Results::new(&features, Some(mesh), "shape.off").unwrap()
+}
+
+fn front(mesh: &TriangleMesh, up: Up) -> Option<f64> {
+    detected(mesh).front(up)
 }
 
 /// Turned about y so that what was seen from the front is seen from this azimuth.
-fn turned(mesh: &TriangleMesh, azimuth: f64) -> TriangleMesh {
+pub fn turned(mesh: &TriangleMesh, azimuth: f64) -> TriangleMesh {
     let (sin, cos) = azimuth.to_radians().sin_cos();
     let turn = |[x, y, z]: &[f64; 3]| [cos * x + sin * z, *y, cos * z - sin * x];
     mesh.with_vertices(mesh.vertices().iter().map(turn).collect()).unwrap()

@@ -6,6 +6,7 @@ mod example;
 mod fine_surface;
 mod folder;
 mod front;
+mod pages;
 
 #[test]
 fn the_example_runs() {

@@ -81,7 +81,7 @@ class Painter {
     return (camera.zoom * 0.95 * Math.min(1, w / h)) / radius;
   }
 
-  draw(camera, radius) {
+  draw(axes, camera, radius) {
     const gl = this.gl;
     if (!gl) return;
     const ratio = Math.min(2, window.devicePixelRatio || 1);
@@ -94,7 +94,7 @@ class Painter {
     gl.useProgram(this.program);
     const s = this.scale(camera, radius);
     const uniform = (name) => gl.getUniformLocation(this.program, name);
-    gl.uniformMatrix3fv(uniform("axes"), true, camera.axes().flat());
+    gl.uniformMatrix3fv(uniform("axes"), true, axes.flat());
     gl.uniform3f(uniform("scale"), (s * h) / w, s, 0.5 / radius);
     gl.uniform2f(uniform("shift"), (camera.shift[0] * h) / w, camera.shift[1]);
     gl.drawArrays(gl.TRIANGLES, 0, this.count);

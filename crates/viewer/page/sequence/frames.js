@@ -13,6 +13,10 @@ class Body {
       }
     }
     this.middle = [0, 1, 2].map((a) => 0.5 * (this.low[a] + this.high[a]));
+    // In how many frames each piece of the body is found, by any track of its colour.
+    const frames = data.tracks.map(() => new Set());
+    for (const track of data.tracks) for (const { frame } of track.sightings) frames[track.colourOf]?.add(frame);
+    this.lasts = data.tracks.map((track) => 2 * (frames[track.colourOf]?.size ?? 0) >= data.total);
     this.radius = 0.5 * Math.hypot(...[0, 1, 2].map((a) => this.high[a] - this.low[a])) || 1;
   }
 
@@ -27,11 +31,11 @@ class Body {
     return out;
   }
 
-  // The track that stands for one in a frame: where only lasting ones are shown, the next around it that is found in half of the
-  // frames; but what is chosen is always shown.
+  // The track that stands for one in a frame: where only lasting ones are shown, the next around it whose piece of the body is found in
+  // half of the frames; but what is chosen is always shown.
   shown(frame, track, lasting, chosen) {
     let t = track;
-    while (lasting && t >= 0 && t !== chosen && 2 * this.data.tracks[t].sightings.length < this.data.total) {
+    while (lasting && t >= 0 && t !== chosen && !this.lasts[t]) {
       t = this.parent(frame, t);
     }
     return t;

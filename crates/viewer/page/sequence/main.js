@@ -14,7 +14,8 @@ let chosen = -1;
 let corners = null;
 let timer = 0;
 
-const redraw = () => painter.draw(camera, body.radius);
+const axes = () => camera.axes(data.front ?? 0);
+const redraw = () => painter.draw(axes(), camera, body.radius);
 
 function showFrame(place) {
   shown = (place + data.frames.length) % data.frames.length;
@@ -46,7 +47,7 @@ function clickAt(x, y) {
   const box = canvas.getBoundingClientRect();
   const half = 0.5 * box.height;
   const s = painter.scale(camera, body.radius);
-  const [across, up, toward] = camera.axes();
+  const [across, up, toward] = axes();
   const u = ((x - box.left - 0.5 * box.width) / half - camera.shift[0]) / s;
   const v = ((box.top + half - y) / half - camera.shift[1]) / s;
   const frame = data.frames[shown];
@@ -59,10 +60,16 @@ function clickAt(x, y) {
   return choose(outer >= 0 ? outer : seen);
 }
 
+function look(view) {
+  camera.look(...VIEWS[view]);
+  redraw();
+}
+
 const rows = fillTable(data, (track) => choose(track === chosen ? -1 : track));
 slider.max = String(data.frames.length - 1);
 slider.addEventListener("input", () => { setPlaying(false); showFrame(Number(slider.value)); });
 lasting.addEventListener("change", () => showFrame(shown));
+document.querySelectorAll("[data-view]").forEach((button) => button.addEventListener("click", () => look(button.dataset.view)));
 play.addEventListener("click", () => setPlaying(!timer));
 
 let drag = null;
@@ -95,7 +102,8 @@ document.addEventListener("keydown", (e) => {
   const keys = { " ": () => setPlaying(!timer), ",": () => step(-1), ".": () => step(1), Escape: () => choose(-1),
     ArrowLeft: () => turn(10, 0), ArrowRight: () => turn(-10, 0), ArrowUp: () => turn(0, 10), ArrowDown: () => turn(0, -10),
     "+": () => zoom(1.2), "-": () => zoom(1 / 1.2) };
-  if (!(e.key in keys) || (e.key === " " && e.target.tagName === "BUTTON")) return;
+  for (const view of Object.keys(VIEWS)) keys[view] = () => look(view);
+  if (!Object.hasOwn(keys, e.key) || (e.key === " " && e.target.tagName === "BUTTON")) return;
   e.preventDefault();
   keys[e.key]();
 });

@@ -15,6 +15,8 @@ pub struct PageData<'a> {
     /// Regions of the first shape and what they are matched with in the second. Give matched regions
     /// equal colours ([`linked_colours`](crate::linked_colours)).
     pub matches: Vec<RegionPair>,
+    /// The same for the parts of both shapes, where they have parts.
+    pub part_matches: Vec<RegionPair>,
     /// The axis that points up.
     pub up: Up,
 }
@@ -24,6 +26,9 @@ pub struct PageData<'a> {
 pub struct PageShape<'a> {
     /// Its name, such as its file's.
     pub name: String,
+    /// The azimuth of its front, in degrees ([`View::azimuth`](crate::View::azimuth)), from which the page counts its own; none where
+    /// that is not known, and then the file's axes rule.
+    pub front: Option<f64>,
     /// Its surface.
     pub mesh: &'a TriangleMesh,
     /// Its inside, if it was detected in: shown where a plane cuts the shape.
@@ -131,7 +136,7 @@ pub struct PageTree<'a> {
     pub entry: &'a [u32],
 }
 
-/// A region of the first shape of a page and the region of the second that it is matched with.
+/// A region or part of the first shape of a page, and that of the second that it is matched with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RegionPair {
     /// Id in the first shape.
@@ -152,10 +157,22 @@ impl PageData<'_> {
             return Err(InvalidParameter::new(name, self.shapes.len(), "1 or 2").into());
         }
         self.shapes.iter().try_for_each(PageShape::check)?;
-        let count = |shape: usize| self.shapes.get(shape).map_or(0, |s| s.regions.len());
-        for (number, pair) in self.matches.iter().enumerate() {
-            in_range("match", number, "region", pair.first, count(0))?;
-            in_range("match", number, "region", pair.second, count(1))?;
+        let regions = |shape: &PageShape<'_>| shape.regions.len();
+        let parts = |shape: &PageShape<'_>| shape.parts.as_ref().map_or(0, |parts| parts.list.len());
+        self.check_pairs("region", &self.matches, regions)?;
+        self.check_pairs("part", &self.part_matches, parts)
+    }
+
+    fn check_pairs(
+        &self,
+        what: &'static str,
+        pairs: &[RegionPair],
+        count: impl Fn(&PageShape<'_>) -> usize,
+    ) -> Result<(), ViewerError> {
+        let count = |shape: usize| self.shapes.get(shape).map_or(0, &count);
+        for (number, pair) in pairs.iter().enumerate() {
+            in_range("match", number, what, pair.first, count(0))?;
+            in_range("match", number, what, pair.second, count(1))?;
         }
         Ok(())
     }
@@ -165,6 +182,14 @@ impl PageShape<'_> {
     fn check(&self) -> Result<(), ViewerError> {
         if self.mesh.triangles().is_empty() {
             return Err(ViewerError::Empty { reason: "the mesh has no triangles" });
+        }
+        if let Some(front) = self.front {
+            InvalidParameter::unless(
+                front.is_finite(),
+                "azimuth of a front",
+                front,
+                "a finite number of degrees",
+            )?;
         }
         let vertices = self.mesh.vertices().len();
         let voxels = self.grid.map_or(0, VoxelGrid::len);

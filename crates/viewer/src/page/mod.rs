@@ -83,6 +83,7 @@ const SCRIPTS: [&str; 20] = [
 /// };
 /// let shape = PageShape {
 ///     name: "tetrahedron".into(),
+///     front: None,
 ///     mesh: &mesh,
 ///     grid: None,
 ///     vertex_voxel: &[],
@@ -92,7 +93,8 @@ const SCRIPTS: [&str; 20] = [
 ///     trees: vec![],
 ///     facts: vec![],
 /// };
-/// let data = PageData { title: "A tetrahedron".into(), shapes: vec![shape], matches: vec![], up: Up::Y };
+/// let (title, matches) = ("A tetrahedron".into(), vec![]);
+/// let data = PageData { title, shapes: vec![shape], matches, part_matches: vec![], up: Up::Y };
 /// let html = page(&data)?;
 /// assert!(html.starts_with("<!DOCTYPE html>"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -101,14 +103,15 @@ pub fn page(data: &PageData<'_>) -> Result<String, ViewerError> {
     data.check()?;
     let mut pack = Pack::default();
     let shapes: Vec<Value> = data.shapes.iter().map(|shape| shape_json(shape, &mut pack)).collect();
-    let matches: Vec<Value> =
-        data.matches.iter().map(|m| json!([m.first, m.second, number(m.distance)])).collect();
+    let pairs = |matches: &[RegionPair]| -> Vec<Value> {
+        matches.iter().map(|m| json!([m.first, m.second, number(m.distance), m.mistake])).collect()
+    };
     let head = json!({
         "title": data.title,
         "up": data.up.name(),
         "none": NO_REGION.0,
         "shapes": shapes,
-        "matches": matches,
+        "matches": { "regions": pairs(&data.matches), "parts": pairs(&data.part_matches) },
     });
     // Inside a script element, only "<" could end it.
     let head = head.to_string().replace('<', "\\u003c");

@@ -61,6 +61,7 @@ pub(crate) fn shape_json(shape: &PageShape<'_>, pack: &mut Pack) -> Value {
     let vertex_voxel = shape.grid.map(|_| pack.u32(drawn.iter().map(voxel)));
     json!({
         "name": shape.name,
+        "front": shape.front,
         "facts": facts,
         "closed": is_closed(mesh.triangles()),
         "position": pack.f32(positions),

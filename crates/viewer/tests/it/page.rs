@@ -64,6 +64,7 @@ fn tree() -> PageTree<'static> {
 fn shape<'a>(mesh: &'a TriangleMesh, grid: &'a VoxelGrid) -> PageShape<'a> {
     PageShape {
         name: "a </script><b>".into(),
+        front: Some(-90.0),
         mesh,
         grid: Some(grid),
         vertex_voxel: &[0, 1, 0, -1],
@@ -76,7 +77,7 @@ fn shape<'a>(mesh: &'a TriangleMesh, grid: &'a VoxelGrid) -> PageShape<'a> {
 }
 
 fn data<'a>(shapes: Vec<PageShape<'a>>) -> PageData<'a> {
-    PageData { title: "x < y & z".into(), shapes, matches: vec![], up: Up::Y }
+    PageData { title: "x < y & z".into(), shapes, matches: vec![], part_matches: vec![], up: Up::Y }
 }
 
 /// The text between a mark and the next closing script tag.
@@ -214,6 +215,11 @@ fn data_that_do_not_fit_are_named() {
     let matches = vec![RegionPair { first: 0, second: 2, distance: 0.1, mistake: false }];
     let pair = PageData { matches, ..data(vec![good(), good()]) };
     assert!(matches!(page(&pair), Err(ViewerError::OutOfRange { what: "match", index: 2, .. })));
+    let part_matches = vec![RegionPair { first: 9, second: 0, distance: 0.1, mistake: false }];
+    let pair = PageData { part_matches, ..data(vec![good(), good()]) };
+    assert!(page(&pair).unwrap_err().to_string().starts_with("match 0 names part 9"));
+    let wrong = PageShape { front: Some(f64::NAN), ..good() };
+    assert!(error(vec![wrong]).contains("azimuth of a front"));
 }
 
 /// A sheet of n x n vertices in gentle waves.
@@ -260,6 +266,7 @@ fn pages_stay_small_and_say_what_they_leave_out() {
         };
         let shape = PageShape {
             name: "sheet".into(),
+            front: None,
             mesh: &mesh,
             grid: Some(&grid),
             vertex_voxel: &vertex_voxel,
