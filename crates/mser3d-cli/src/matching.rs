@@ -132,7 +132,7 @@ fn write(
         RegionPair { first: m.partner, second: m.region, distance: m.distance, mistake }
     };
     let pairs: Vec<RegionPair> = pairs.map(pair).collect();
-    let options = RenderOptions { height: 600, up: args.up, ..RenderOptions::default() };
+    let options = RenderOptions { height: 560, up: args.up, ..RenderOptions::default() };
     let sheet = first.match_sheet(second, &pairs, &options)?;
     write_atomically(&folder.join("matches.png"), |out| sheet.write_png(out).map_err(std::io::Error::other))?;
     if args.html {

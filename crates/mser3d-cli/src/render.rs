@@ -24,7 +24,7 @@ pub struct RenderArgs {
     /// What is shown [default: parts, where the folder has them]
     #[arg(long, value_enum, value_name = "WHAT")]
     pub show: Option<Show>,
-    /// From where, from left to right [default: all but voxels and top, inside for volumes]
+    /// From where, from left to right, by the file's axes [default: all but voxels and top, by the body's own front; inside for volumes]
     #[arg(long, value_parser = shots(), value_delimiter = ',', value_name = "VIEW,...")]
     pub views: Vec<Shot>,
     /// Height of each view, in pixels

@@ -5,13 +5,15 @@
 //!
 //! 1. `candidates`: the regions of each tree, whatever filters and pooling made of them. The border of each is taken down its
 //!    branch to where it is narrow (`borders`).
-//! 2. `twins`: candidates that are mirror images, or equal, come and go together.
+//! 2. `twins`: candidates that are mirror images, or equal, come and go together. Where the body has sides, `opposites` says at the end
+//!    which of the parts are mirror images.
 //! 3. `choose`: they are taken in the order of a score, if they are nested or disjoint and each part keeps enough.
 //! 4. `smooth`: borders are smoothed, by diffusion. `pieces`: what falls apart becomes several parts.
 
 mod borders;
 mod candidates;
 mod choose;
+mod opposites;
 mod parameters;
 mod pieces;
 mod smooth;
@@ -24,7 +26,7 @@ use self::candidates::Candidates;
 use self::choose::ChosenPart;
 pub use self::parameters::{PartCount, PartParameters};
 use crate::regions::centroid;
-use crate::{Error, Features};
+use crate::{Error, Features, Sidedness};
 
 /// A part of a body.
 #[derive(Clone, Debug, PartialEq)]
@@ -139,6 +141,7 @@ pub fn partition(
         }));
     }
     by_volume(&mut parts);
+    pair_by_sides(&mut parts, features);
     let mut part_of_element = vec![0; shape.len()];
     for (number, part) in (0..).zip(&parts) {
         part.elements.iter().for_each(|&e| part_of_element[e as usize] = number);
@@ -155,6 +158,44 @@ pub fn partition(
         }
     }
     Ok(Partition { parts, part_of_element, part_of_vertex })
+}
+
+/// Corrects twins of bodies whose sides are told.
+fn pair_by_sides(parts: &mut [Part], features: &Features) {
+    let mirrored = features.parameters.descriptor.first_mirrored();
+    let width = mirrored.unwrap_or(features.descriptors.width());
+    // Of what a mirror image leaves as it is.
+    let distance = |a: usize, b: usize| {
+        let rows = features.descriptors.row(a).iter().zip(features.descriptors.row(b)).take(width);
+        rows.map(|(x, y)| (x - y) * (x - y)).sum::<f64>().sqrt()
+    };
+    for (number, body) in features.bodies.iter().enumerate() {
+        if !matches!(body.sidedness, Sidedness::Sided { .. }) {
+            continue;
+        }
+        let own: Vec<usize> = (0..parts.len()).filter(|&part| parts[part].body == number).collect();
+        let region = |part: usize| parts[own[part]].region;
+        let sides: Vec<Option<f64>> = (0..own.len())
+            .map(|part| region(part).and_then(|region| features.regions[region].side))
+            .collect();
+        let volumes: Vec<f64> = own.iter().map(|&part| parts[part].volume).collect();
+        let place = |part: &usize| own.iter().position(|own| own == part);
+        let mut twins: Vec<Vec<usize>> =
+            own.iter().map(|&part| parts[part].twins.iter().filter_map(place).collect()).collect();
+        let apart = |a: usize, b: usize| Some(distance(region(a)?, region(b)?));
+        let place = |a: usize, b: usize, others: &[usize]| {
+            let rows = (features.cosines.row(region(a)?), features.cosines.row(region(b)?));
+            let others = others.iter().filter_map(|&other| Some((region(other)?, volumes[other])));
+            let square =
+                |(other, volume): (usize, f64)| [volume * (rows.0[other] - rows.1[other]).powi(2), volume];
+            let sum = others.map(square).fold([0.0; 2], |sum, own| [sum[0] + own[0], sum[1] + own[1]]);
+            (sum[1] > 0.0).then(|| (sum[0] / sum[1]).sqrt())
+        };
+        opposites::pair_by_sides(&mut twins, &sides, &volumes, place, apart);
+        for (&part, twins) in own.iter().zip(twins) {
+            parts[part].twins = twins.into_iter().map(|twin| own[twin]).collect();
+        }
+    }
 }
 
 /// Orders parts by descending volume; of equal volumes, the one with the smaller element first.

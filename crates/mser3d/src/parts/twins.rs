@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 /// The smallest ratio of the volumes of twins.
-const LIKE_VOLUME: f64 = 2.0 / 3.0;
+pub(super) const LIKE_VOLUME: f64 = 2.0 / 3.0;
 
 /// The largest distance of twins: the root mean square of the difference of the logarithms of what describes them.
 const LIKE_DISTANCE: f64 = 0.1;

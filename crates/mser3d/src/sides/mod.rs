@@ -17,6 +17,7 @@ use mser3d_descriptors::{
 use mser3d_shape::{Domain, Eigenbasis};
 
 use crate::{DiscreteShape, Elements, Error, Region};
+pub(crate) use twins::LIKE_PLACE;
 use vectors::{embed, product};
 
 /// How long heat smooths what is compared, over the unit of time: its evidence is gathered over a limb and what is near.

@@ -15,7 +15,7 @@ const LIKE_DISTANCE: f64 = 0.5;
 const EQUAL_DISTANCE: f64 = 0.75 / 16.0;
 
 /// Twins lie alike towards what has no twin: the largest root mean square difference of their cosines.
-const LIKE_PLACE: f64 = 0.3;
+pub(crate) const LIKE_PLACE: f64 = 0.3;
 
 /// The pairs of regions that are each other's mirror images, the first member of each before the second, in ascending order.
 ///
