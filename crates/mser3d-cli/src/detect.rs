@@ -97,6 +97,10 @@ impl DetectArgs {
             let why = "--write fine-surface needs a mesh that is searched as a volume; here the surface is as fine as it can be";
             return Err(CliError::Usage(why.into()));
         }
+        if self.write.contains(&Extra::Fields) && self.options.surface {
+            let why = "--write fields needs voxels, and --surface has none; write eigenfunctions,signatures";
+            return Err(CliError::Usage(why.into()));
+        }
         Ok(())
     }
 
