@@ -9,6 +9,7 @@ mod fixtures;
 mod interop;
 mod package;
 mod pictures;
+mod python;
 mod schema;
 
 use std::error::Error;
@@ -38,6 +39,8 @@ enum Command {
     Package(package::Arguments),
     /// Make the pictures in docs/images again
     Pictures(pictures::Arguments),
+    /// Install the Python package into a fresh environment, test it, and check its wheel
+    Python(python::Arguments),
     /// Write the JSON Schemas of regions.json and msv.json to docs/
     Schema(schema::Arguments),
     /// Experiments: compare with other people's libraries
@@ -77,6 +80,7 @@ fn run(command: Command) -> Result<ExitCode, Box<dyn Error>> {
         Command::Interop(arguments) => interop::run(&arguments)?,
         Command::Package(arguments) => package::run(&arguments)?,
         Command::Pictures(arguments) => pictures::run(&arguments)?,
+        Command::Python(arguments) => python::run(&arguments)?,
         Command::Schema(arguments) => schema::run(&arguments)?,
         Command::Bench(arguments) => return delegate::run("bench", &arguments),
         Command::Figures(arguments) => return delegate::run("figures", &arguments),

@@ -33,7 +33,14 @@ impl DescribedResult {
     /// # Errors
     /// [`CollectionError::Results`], [`CollectionError::NoRegions`].
     pub fn load(folder: &Path) -> Result<Self, CollectionError> {
-        let results = Results::load(folder)?;
+        Self::new(Results::load(folder)?, folder)
+    }
+
+    /// A result that is in memory; `folder` names it in messages.
+    ///
+    /// # Errors
+    /// [`CollectionError::NoRegions`].
+    pub fn new(results: Results, folder: &Path) -> Result<Self, CollectionError> {
         let settings = DescriptorSettings::of(&results.record);
         if results.record.regions.is_empty() {
             return Err(CollectionError::NoRegions { folder: folder.to_owned() });

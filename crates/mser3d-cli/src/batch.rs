@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use mser3d::{Detector, Parameters};
 use mser3d_collection::{
-    BatchParameters, BatchSummary, Frames, Plan, PlanParameters, Shard, Tables, build_tables, plan, run_batch,
+    BatchParameters, BatchSummary, Event, Frames, Plan, PlanParameters, Shard, Tables, build_tables, plan,
+    run_batch,
 };
 use mser3d_meshio::ReadOptions;
 use mser3d_results::{ShapeFile, ShapeOptions};
@@ -103,15 +104,32 @@ pub fn run_plan(
     batch: &BatchParameters,
 ) -> Result<BatchSummary, CliError> {
     let meter = BatchMeter::new(run.quiet);
+    let detector = Detector::new(parameters);
+    let (heard, warn) = (|event: Event| meter.report(&event), |what: &str| meter.warn(what));
+    let summary = run_detector(options, output, plan, &detector, batch, (&heard, &warn));
+    meter.finish();
+    summary
+}
+
+/// Who hears how far a batch is, and what is wrong with its cache.
+pub type Listeners<'a> = (&'a (dyn Fn(Event) + Sync), &'a (dyn Fn(&str) + Sync));
+
+/// Runs a plan with a detector that takes spectra from the cache, if there is one.
+pub fn run_detector(
+    options: &RegionOptions,
+    output: &Path,
+    plan: &Plan,
+    detector: &Detector,
+    batch: &BatchParameters,
+    (heard, warn): Listeners,
+) -> Result<BatchSummary, CliError> {
     let cache = options.cache()?;
-    let spectra = cache.as_ref().map(|cache| cache.source(|what| meter.warn(what)));
-    let mut detector = Detector::new(parameters);
+    let spectra = cache.as_ref().map(|cache| cache.source(warn));
+    let mut detector = detector.clone();
     if let Some(spectra) = &spectra {
         detector.spectra = spectra;
     }
-    let summary = run_batch(output, plan, options.domain(), &detector, batch, &|event| meter.report(&event));
-    meter.finish();
-    Ok(summary?)
+    Ok(run_batch(output, plan, options.domain(), &detector, batch, heard)?)
 }
 
 /// Says what became of all shapes.

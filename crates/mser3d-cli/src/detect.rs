@@ -1,10 +1,10 @@
 //! `mser3d detect`: from a file to its regions.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use mser3d::{Detector, FieldSource, Parameters};
+use mser3d::{Detector, Features, FieldSource, Parameters, ProgressFn};
 use mser3d_collection::{BatchParameters, Job, PlanParameters, plan, write_label_map};
-use mser3d_results::{Extra, Results, ResultsFolder, ShapeOptions, Up, VolumeFile};
+use mser3d_results::{Extra, FieldFile, Results, ResultsFolder, ShapeFile, ShapeOptions, Up, VolumeFile};
 
 use crate::batch::{self, run_plan};
 use crate::choice::choice;
@@ -19,12 +19,13 @@ use crate::table;
 use crate::view::write_page;
 use crate::volume_options::VolumeOptions;
 
-#[derive(clap::Args)]
+/// What `mser3d detect` is told.
+#[derive(clap::Args, Clone, Debug)]
 pub struct DetectArgs {
     #[command(flatten)]
-    pub input: InputArgs,
+    pub(crate) input: InputArgs,
     #[command(flatten)]
-    pub volume: VolumeOptions,
+    pub(crate) volume: VolumeOptions,
     /// Folder for the results; made if it isn't there [default: the input's name]
     #[arg(short, long, value_name = "DIR", value_parser = folder())]
     pub output: Option<PathBuf>,
@@ -38,27 +39,113 @@ pub struct DetectArgs {
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
-    pub run: RunOptions,
+    pub(crate) run: RunOptions,
     #[command(flatten)]
-    pub options: RegionOptions,
+    pub(crate) options: RegionOptions,
 }
 
-pub fn run(args: &DetectArgs) -> Result<(), CliError> {
+impl DetectArgs {
+    /// The parameters of the detector.
+    ///
+    /// # Errors
+    /// [`CliError::Usage`] for values out of range.
+    pub fn parameters(&self) -> Result<Parameters, CliError> {
+        self.options.parameters()
+    }
+
+    /// How the shape is read.
+    ///
+    /// # Errors
+    /// [`CliError::Usage`] for values out of range, [`CliError::Volume`] for files beside the shape's.
+    pub fn shape_options(&self) -> Result<ShapeOptions, CliError> {
+        self.options.shape(&self.volume, self.input.pose())
+    }
+
+    /// The file of the shape.
+    pub fn input(&self) -> &Path {
+        &self.input.input
+    }
+
+    /// The number of threads that is asked for.
+    ///
+    /// # Errors
+    /// [`CliError::Usage`] for one out of range.
+    pub fn threads(&self) -> Result<Option<usize>, CliError> {
+        self.run.threads()
+    }
+
+    /// Whether each label of a label map is to be a shape, which [`find`](Self::find) does not do.
+    pub fn all_labels(&self) -> bool {
+        self.volume.all_labels()
+    }
+
+    /// The file with the weight, if it has one.
+    ///
+    /// # Errors
+    /// [`CliError::Results`].
+    pub fn field(&self) -> Result<Option<FieldFile>, CliError> {
+        self.options.field()
+    }
+
+    /// Refuses options that the shape has no use for.
+    ///
+    /// # Errors
+    /// [`CliError::Usage`], [`CliError::Results`].
+    pub fn check(&self, file: &ShapeFile) -> Result<(), CliError> {
+        self.options.check(file)?;
+        if self.write.contains(&Extra::FineSurface) && (self.options.surface || file.mesh().is_none()) {
+            let why = "--write fine-surface needs a mesh that is searched as a volume; here the surface is as fine as it can be";
+            return Err(CliError::Usage(why.into()));
+        }
+        if self.write.contains(&Extra::Fields) && self.options.surface {
+            let why = "--write fields needs voxels, and --surface has none; write eigenfunctions,signatures";
+            return Err(CliError::Usage(why.into()));
+        }
+        Ok(())
+    }
+
+    /// Finds the regions of a shape. `extras` will be written besides, `progress` hears how far the work is and can cancel
+    /// it, `warn` what is wrong with the cache.
+    ///
+    /// # Errors
+    /// [`CliError::Shape`], [`CliError::Interrupted`], and those of the cache and the field.
+    pub fn find(
+        &self,
+        file: &ShapeFile,
+        field: Option<&FieldFile>,
+        extras: &[Extra],
+        progress: ProgressFn,
+        warn: &(dyn Fn(&str) + Sync),
+    ) -> Result<(Features, Results), CliError> {
+        let values = field.map(|field| field.on(file)).transpose()?;
+        let cache = self.options.cache()?;
+        let spectra = cache.as_ref().map(|cache| cache.source(warn));
+        let mut detector = Detector::new(self.parameters()?).with_progress(progress);
+        if let Some(spectra) = &spectra {
+            detector.spectra = spectra;
+        }
+        detector.field = values.as_ref().map(|values| values as FieldSource);
+        let features = detector.detect(file.input(self.options.domain())?);
+        let features = features.map_err(|source| CliError::detection(&file.path, source))?;
+        let mut results = Results::of_file(&features, file)?.with_extras(&features, extras);
+        results.record.field = field.map(|field| field.record().clone());
+        Ok((features, results))
+    }
+}
+
+pub(crate) fn run(args: &DetectArgs) -> Result<(), CliError> {
     args.run.use_threads()?;
-    let parameters = args.options.parameters()?;
-    let options = args.options.shape(&args.volume, args.input.pose())?;
-    if args.volume.all_labels() {
+    let parameters = args.parameters()?;
+    let options = args.shape_options()?;
+    if args.all_labels() {
         args.options.refuse_field()?;
         return all_labels(args, parameters, options);
     }
     let file = args.input.read(&options)?;
-    args.options.check(&file)?;
-    if args.write.contains(&Extra::FineSurface) && (args.options.surface || file.mesh().is_none()) {
-        let why = "--write fine-surface needs a mesh that is searched as a volume; here the surface is as fine as it can be";
-        return Err(CliError::Usage(why.into()));
-    }
-    let field = args.options.field()?;
-    let values = field.as_ref().map(|field| field.on(&file)).transpose()?;
+    args.check(&file)?;
+    let field = args.field()?;
+    // What is wrong with it is said before a folder is made.
+    field.as_ref().map(|field| field.on(&file)).transpose()?;
     let output = match &args.output {
         Some(folder) => folder.clone(),
         None => folder_beside(&file.path, &["regions.json"])?,
@@ -66,18 +153,9 @@ pub fn run(args: &DetectArgs) -> Result<(), CliError> {
     let folder = ResultsFolder::create(&output)?;
     interrupt::take_away(folder.made());
     let meter = Meter::new(args.run.quiet);
-    let (cache, progress) = (args.options.cache()?, |p| meter.report(p));
-    let spectra = cache.as_ref().map(|cache| cache.source(|what| meter.warn(what)));
-    let mut detector = Detector::new(parameters).with_progress(&progress);
-    if let Some(spectra) = &spectra {
-        detector.spectra = spectra;
-    }
-    detector.field = values.as_ref().map(|values| values as FieldSource);
-    let features = detector.detect(file.input(args.options.domain())?);
+    let found = args.find(&file, field.as_ref(), &args.write, &|p| meter.report(p), &|what| meter.warn(what));
     meter.finish();
-    let features = features.map_err(|source| CliError::detection(&file.path, source))?;
-    let mut results = Results::of_file(&features, &file)?.with_extras(&features, &args.write);
-    results.record.field = field.as_ref().map(|field| field.record().clone());
+    let (features, results) = found?;
     folder.write(&results, &args.write)?;
     tracing::info!(folder = %output.display(), "wrote");
     if !args.run.quiet {

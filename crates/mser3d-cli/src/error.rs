@@ -1,6 +1,5 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use mser3d::voxelize::VoxelizeError;
 use mser3d_collection::CollectionError;
@@ -10,25 +9,38 @@ use mser3d_volumeio::BodyError;
 
 /// Why a command failed. Displayed as one line on stderr.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum CliError {
     /// Arguments that contradict each other or are out of range: exit code 2.
     #[error("{0}")]
     Usage(String),
+    /// A file cannot be read or written.
     #[error(transparent)]
     File(#[from] mser3d_fileio::FileError),
+    /// A volume cannot be read or written.
     #[error(transparent)]
     Volume(#[from] mser3d_volumeio::VolumeIoError),
+    /// Many shapes, or a collection of results.
     #[error(transparent)]
     Collection(#[from] CollectionError),
+    /// A shape cannot be read, or a result not read, written or drawn.
     #[error(transparent)]
     Results(#[from] ResultsError),
+    /// A shape in which nothing could be searched.
     #[error("{}: {source}{}", path.display(), advice(source))]
-    Shape { path: PathBuf, source: mser3d::Error },
+    Shape {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: mser3d::Error,
+    },
+    /// The user asked to stop.
     #[error("interrupted; nothing was written")]
     Interrupted,
     /// A batch went through, but not with all shapes.
     #[error("{0}")]
     Incomplete(String),
+    /// Standard output cannot be written to.
     #[error("standard output: {0}")]
     Stdout(std::io::Error),
 }
@@ -53,7 +65,8 @@ impl CliError {
         }
     }
 
-    pub fn exit_code(&self) -> ExitCode {
+    /// What [`main`](crate::main) returns of it.
+    pub fn exit_code(&self) -> u8 {
         let wrong_use = match self {
             Self::Usage(_) => true,
             Self::Results(ResultsError::Body { error, .. }) => !matches!(error, BodyError::Empty { .. }),
@@ -73,12 +86,12 @@ impl CliError {
             ),
             _ => false,
         };
-        ExitCode::from(match self {
+        match self {
             // As shells report a program that ended by SIGINT.
-            Self::Interrupted => 130,
+            Self::Interrupted | Self::Collection(CollectionError::Cancelled) => 130,
             _ if wrong_use => 2,
             _ => 1,
-        })
+        }
     }
 }
 

@@ -23,7 +23,8 @@ pub enum MatchExtra {
     Map,
 }
 
-#[derive(clap::Args)]
+/// What `mser3d match` is told.
+#[derive(clap::Args, Clone, Debug)]
 pub struct MatchArgs {
     /// Results of the first shape: a folder written by `mser3d detect`
     pub first: PathBuf,
@@ -77,24 +78,43 @@ pub struct MatchArgs {
     pub min_overlap: f64,
 }
 
-pub fn run(args: &MatchArgs) -> Result<(), CliError> {
-    let regions = MatchParameters {
-        rule: args.rule,
-        max_ratio: args.max_ratio,
-        max_distance: args.max_distance,
-        ambiguity: args.ambiguity,
-        consistency: args.consistency,
-    };
-    regions.validate().map_err(|e| CliError::Usage(format!("wrong parameter: {e}")))?;
-    let parameters = MatchingParameters { regions, allow_mirror: args.allow_mirror };
-    let (first, second) = (DescribedResult::load(&args.first)?, DescribedResult::load(&args.second)?);
-    let mut matching = match_results(&first, &second, &parameters)?;
-    if args.same_vertices {
-        let vertices = first.results.mesh.vertices().len();
-        let mirror = args.symmetry.as_ref().map(|path| read_symmetry(path, vertices)).transpose();
-        let mirror = mirror.map_err(CollectionError::from)?;
-        judge_matching(&mut matching, &first, &second, mirror, args.min_overlap)?;
+impl MatchArgs {
+    /// How regions are matched.
+    ///
+    /// # Errors
+    /// [`CliError::Usage`] for values out of range.
+    pub fn parameters(&self) -> Result<MatchingParameters, CliError> {
+        let regions = MatchParameters {
+            rule: self.rule,
+            max_ratio: self.max_ratio,
+            max_distance: self.max_distance,
+            ambiguity: self.ambiguity,
+            consistency: self.consistency,
+        };
+        regions.validate().map_err(|e| CliError::Usage(format!("wrong parameter: {e}")))?;
+        Ok(MatchingParameters { regions, allow_mirror: self.allow_mirror })
     }
+
+    /// Matches each region of the second shape to one of the first, and compares with the truth where it is known.
+    ///
+    /// # Errors
+    /// [`CliError::Usage`], [`CliError::Collection`].
+    pub fn find(&self, first: &DescribedResult, second: &DescribedResult) -> Result<Matching, CliError> {
+        let mut matching = match_results(first, second, &self.parameters()?)?;
+        if self.same_vertices {
+            let vertices = first.results.mesh.vertices().len();
+            let mirror = self.symmetry.as_ref().map(|path| read_symmetry(path, vertices)).transpose();
+            let mirror = mirror.map_err(CollectionError::from)?;
+            judge_matching(&mut matching, first, second, mirror, self.min_overlap)?;
+        }
+        Ok(matching)
+    }
+}
+
+pub(crate) fn run(args: &MatchArgs) -> Result<(), CliError> {
+    let parameters = args.parameters()?;
+    let (first, second) = (DescribedResult::load(&args.first)?, DescribedResult::load(&args.second)?);
+    let matching = args.find(&first, &second)?;
     let map = match args.write.contains(&MatchExtra::Map) {
         true => Some(map_vertices(&first, &second, &matching, &DenseMapParameters::default())?),
         false => None,

@@ -15,7 +15,8 @@ use crate::numbers::positive;
 use crate::output::folder;
 use crate::voxel_options::triple;
 
-#[derive(clap::Args)]
+/// What `mser3d msv` is told.
+#[derive(clap::Args, Clone, Debug)]
 pub struct MsvArgs {
     /// Grey values: .npy ([x, y], [x, y, z] or [x, y, z, channel]), .nii, .nii.gz, .nrrd, .tif or .tiff
     #[arg(value_name = "VOLUME")]
@@ -64,41 +65,60 @@ pub struct MsvArgs {
     pub quiet: bool,
 }
 
-pub fn run(args: &MsvArgs) -> Result<(), CliError> {
+impl MsvArgs {
+    /// What the volume is read with.
+    ///
+    /// # Errors
+    /// [`CliError::Usage`] for values out of range, [`CliError::Volume`] for the file of an affine.
+    pub fn shape_options(&self) -> Result<ShapeOptions, CliError> {
+        let placement = PlacementParameters {
+            spacing: triple("--spacing", &self.spacing)?,
+            origin: triple("--origin", &self.origin)?,
+            affine: self.affine.as_deref().map(read_affine).transpose()?,
+        };
+        Ok(ShapeOptions { placement, ..Default::default() })
+    }
+
+    /// Finds the regions of a volume.
+    ///
+    /// # Errors
+    /// [`CliError::Usage`] for values out of range, [`CliError::Results`], [`CliError::Shape`].
+    pub fn find(&self, file: VolumeFile) -> Result<MsvResults, CliError> {
+        let path = file.path;
+        let body = |error| ResultsError::Body { path: path.clone(), error };
+        let volume = file.loaded.grey(self.volume).map_err(body)?;
+        volume.frame().map_err(|error| ResultsError::Placement { path: path.clone(), error })?;
+        let parameters = MsvSearchParameters {
+            contrasts: self.regions.clone(),
+            delta: self.delta,
+            msv: MsvParameters {
+                min_area: self.min_area,
+                max_area: self.max_area,
+                max_variation: self.max_variation,
+                min_diversity: self.min_diversity,
+                ..MsvParameters::default()
+            },
+            connectivity: self.connectivity,
+        };
+        let found = MsvResults::find(&volume, &path.to_string_lossy(), &parameters);
+        found.map_err(|error| match error {
+            ResultsError::Tree(mser3d::comptree::TreeError::InvalidParameter(error)) => {
+                CliError::Usage(format!("wrong parameter: {error}"))
+            }
+            ResultsError::Tree(error) => CliError::detection(&path, error.into()),
+            error => error.into(),
+        })
+    }
+}
+
+pub(crate) fn run(args: &MsvArgs) -> Result<(), CliError> {
     if VolumeFormat::of(&args.input).is_none() {
         let name = args.input.display();
         return Err(CliError::Usage(format!("{name}: a volume is one of {}", VolumeFormat::LIST)));
     }
-    let placement = PlacementParameters {
-        spacing: triple("--spacing", &args.spacing)?,
-        origin: triple("--origin", &args.origin)?,
-        affine: args.affine.as_deref().map(read_affine).transpose()?,
-    };
-    let file = VolumeFile::read(&args.input, &ShapeOptions { placement, ..Default::default() })?;
+    let file = VolumeFile::read(&args.input, &args.shape_options()?)?;
     let notes = file.loaded.notes.clone();
-    let body = |error| ResultsError::Body { path: args.input.clone(), error };
-    let volume = file.loaded.grey(args.volume).map_err(body)?;
-    volume.frame().map_err(|error| ResultsError::Placement { path: args.input.clone(), error })?;
-    let parameters = MsvSearchParameters {
-        contrasts: args.regions.clone(),
-        delta: args.delta,
-        msv: MsvParameters {
-            min_area: args.min_area,
-            max_area: args.max_area,
-            max_variation: args.max_variation,
-            min_diversity: args.min_diversity,
-            ..MsvParameters::default()
-        },
-        connectivity: args.connectivity,
-    };
-    let found = MsvResults::find(&volume, &args.input.to_string_lossy(), &parameters);
-    let found = found.map_err(|error| match error {
-        ResultsError::Tree(mser3d::comptree::TreeError::InvalidParameter(error)) => {
-            CliError::Usage(format!("wrong parameter: {error}"))
-        }
-        ResultsError::Tree(error) => CliError::detection(&args.input, error.into()),
-        error => error.into(),
-    })?;
+    let found = args.find(file)?;
     let folder = match &args.output {
         Some(folder) => folder.clone(),
         None => folder_beside(&args.input, &[MSV_RECORD])?,

@@ -12,7 +12,8 @@ use crate::error::{CliError, print, print_json};
 use crate::numbers::count;
 use crate::output::{PAGE, file};
 
-#[derive(clap::Args)]
+/// What `mser3d query` is told.
+#[derive(clap::Args, Clone, Debug)]
 pub struct QueryArgs {
     /// Folder that `mser3d batch` wrote
     pub collection: PathBuf,
@@ -38,22 +39,38 @@ pub struct QueryArgs {
     pub up: Up,
 }
 
-pub fn run(args: &QueryArgs) -> Result<(), CliError> {
+impl QueryArgs {
+    /// The regions of a collection that are most like those of a shape. `itself` is the shape's name in the collection,
+    /// whose regions are left out.
+    ///
+    /// # Errors
+    /// [`CliError::Usage`] for a region that is not there, [`CliError::Collection`].
+    pub fn find(
+        &self,
+        index: &Index,
+        shape: &DescribedResult,
+        itself: Option<&str>,
+    ) -> Result<Vec<RegionHits>, CliError> {
+        let all = index.nearest(shape, self.k, itself.filter(|_| !self.include_itself))?;
+        let regions = shape.results.record.regions.len();
+        if let Some(region) = self.region.filter(|&region| region >= regions) {
+            return Err(CliError::Usage(format!(
+                "--region {region}: {} has {regions} regions, numbered from 0",
+                shape.folder.display()
+            )));
+        }
+        let wanted =
+            all.into_iter().filter(|hits| self.region.is_none_or(|only| only == hits.region as usize));
+        Ok(wanted.collect())
+    }
+}
+
+pub(crate) fn run(args: &QueryArgs) -> Result<(), CliError> {
     let index = Index::load(&args.collection)?;
     let member = args.collection.join(&args.shape);
     let folder = if !args.shape.is_dir() && member.is_dir() { member } else { args.shape.clone() };
     let shape = DescribedResult::load(&folder)?;
-    let itself = name_in(&args.collection, &folder).filter(|_| !args.include_itself);
-    let all = index.nearest(&shape, args.k, itself.as_deref())?;
-    let regions = shape.results.record.regions.len();
-    if let Some(region) = args.region.filter(|&region| region >= regions) {
-        return Err(CliError::Usage(format!(
-            "--region {region}: {} has {regions} regions, numbered from 0",
-            folder.display()
-        )));
-    }
-    let wanted = all.into_iter().filter(|hits| args.region.is_none_or(|only| only == hits.region as usize));
-    let found: Vec<RegionHits> = wanted.collect();
+    let found = args.find(&index, &shape, name_in(&args.collection, &folder).as_deref())?;
     if let Some(path) = &args.html {
         write_text(path, &index.page(&shape, &found, args.up)?)?;
     }

@@ -14,7 +14,8 @@ use crate::choice::choice;
 use crate::error::CliError;
 use crate::output::{PICTURE, file};
 
-#[derive(clap::Args)]
+/// What `mser3d render` is told.
+#[derive(clap::Args, Clone, Debug)]
 pub struct RenderArgs {
     /// Folder that `mser3d detect` or `mser3d msv` wrote
     pub folder: PathBuf,
@@ -108,33 +109,51 @@ impl Shot {
     }
 }
 
-pub fn run(args: &RenderArgs) -> Result<(), CliError> {
-    let options = RenderOptions {
-        height: args.height,
-        columns: args.columns,
-        up: args.up,
-        scale_bar: true,
-        background: args.background,
-        axes: args.axes,
-        ..RenderOptions::default()
-    };
+impl RenderArgs {
+    fn options(&self) -> RenderOptions {
+        RenderOptions {
+            height: self.height,
+            columns: self.columns,
+            up: self.up,
+            scale_bar: true,
+            background: self.background,
+            axes: self.axes,
+            ..RenderOptions::default()
+        }
+    }
+
+    /// Draws a result.
+    ///
+    /// # Errors
+    /// [`CliError::Usage`] for what a result has no picture of, [`CliError::Results`].
+    pub fn draw(&self, results: &Results) -> Result<Image, CliError> {
+        Ok(self.draw_named(results)?.0)
+    }
+
+    /// The picture, and how its file is called if it is not said.
+    fn draw_named(&self, results: &Results) -> Result<(Image, &'static str), CliError> {
+        let options = self.options();
+        let parts = if results.record.parts.is_some() { Show::Parts } else { Show::Regions };
+        let front = results.front(self.up).unwrap_or(0.0);
+        Ok(match self.show.unwrap_or(parts) {
+            Show::Parts => {
+                (draw(self, &results.with_parts_as_regions()?, "part", front, &options)?, "parts.png")
+            }
+            Show::Regions => (draw(self, results, "region", front, &options)?, "regions.png"),
+            Show::Each => (each(self, results, options)?, "each.png"),
+        })
+    }
+}
+
+pub(crate) fn run(args: &RenderArgs) -> Result<(), CliError> {
     let (picture, name) = if MsvResults::is_in(&args.folder) && args.show.is_none() {
         if !args.views.is_empty() || args.cut_axis.is_some() {
             let why = "--views and --cut-axis need a result of `mser3d detect`; one of `mser3d msv` has one picture";
             return Err(CliError::Usage(why.into()));
         }
-        (MsvResults::load(&args.folder)?.sheet(&options)?, "regions.png")
+        (MsvResults::load(&args.folder)?.sheet(&args.options())?, "regions.png")
     } else {
-        let results = Results::load(&args.folder)?;
-        let parts = if results.record.parts.is_some() { Show::Parts } else { Show::Regions };
-        let front = results.front(args.up).unwrap_or(0.0);
-        match args.show.unwrap_or(parts) {
-            Show::Parts => {
-                (draw(args, &results.with_parts_as_regions()?, "part", front, &options)?, "parts.png")
-            }
-            Show::Regions => (draw(args, &results, "region", front, &options)?, "regions.png"),
-            Show::Each => (each(args, &results, options)?, "each.png"),
-        }
+        args.draw_named(&Results::load(&args.folder)?)?
     };
     let output = args.output.clone().unwrap_or_else(|| args.folder.join(name));
     let mut png = Vec::new();

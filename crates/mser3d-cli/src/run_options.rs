@@ -9,7 +9,7 @@ use crate::numbers::count;
 /// More threads than any machine that this runs on has cores.
 const MOST_THREADS: usize = 1024;
 
-#[derive(clap::Args)]
+#[derive(clap::Args, Clone, Debug)]
 pub struct RunOptions {
     /// No progress and no warnings on stderr, no table on stdout
     #[arg(short, long)]
@@ -20,7 +20,7 @@ pub struct RunOptions {
 }
 
 /// How a command runs that computes many shapes, or frames.
-#[derive(clap::Args)]
+#[derive(clap::Args, Clone, Debug)]
 pub struct ManyOptions {
     /// Write this too, for each shape
     #[arg(long, value_name = "WHAT,...", value_parser = choice::<Extra>(), value_delimiter = ',')]
@@ -40,13 +40,20 @@ impl ManyOptions {
 }
 
 impl RunOptions {
-    /// Sets the number of threads for everything that follows.
-    pub fn use_threads(&self) -> Result<(), CliError> {
+    /// The number of threads that is asked for.
+    pub fn threads(&self) -> Result<Option<usize>, CliError> {
         match self.threads {
-            None => Ok(()),
             Some(n) if !(1..=MOST_THREADS).contains(&n) => {
                 Err(CliError::Usage(format!("--threads {n}: must be between 1 and {MOST_THREADS}")))
             }
+            threads => Ok(threads),
+        }
+    }
+
+    /// Sets the number of threads for everything that follows.
+    pub fn use_threads(&self) -> Result<(), CliError> {
+        match self.threads()? {
+            None => Ok(()),
             Some(n) => rayon::ThreadPoolBuilder::new()
                 .num_threads(n)
                 .build_global()

@@ -1,26 +1,30 @@
 //! `mser3d track`: regions followed through a sequence.
 
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
+use mser3d::{Detector, Progress, ProgressFn, Stage};
 use mser3d_collection::{
-    BatchParameters, BatchSummary, Sampling, plan_sequence, share_parameters, track_glb, track_page,
+    BatchParameters, BatchSummary, Event, Sampling, plan_sequence, share_parameters, track_glb, track_page,
     track_pictures, track_results,
 };
 use mser3d_fileio::file_stem;
 use mser3d_meshio::ReadOptions;
 use mser3d_results::{RenderOptions, TrackParameters, TracksRecord, Up};
 
-use crate::batch::{run_plan, tell_failures};
+use crate::batch::{run_detector, tell_failures};
 use crate::choice::choice;
 use crate::error::{CliError, print, print_json};
 use crate::interrupt;
 use crate::numbers::{count, fraction, positive};
 use crate::options::RegionOptions;
 use crate::output::folder;
+use crate::progress::BatchMeter;
 use crate::run_options::ManyOptions;
 use crate::volume_options::VolumeOptions;
 
-#[derive(clap::Args)]
+/// What `mser3d track` is told.
+#[derive(clap::Args, Clone, Debug)]
 pub struct TrackArgs {
     /// An animated glTF file; or the frames in their order: files, folders, patterns ("scans/*.ply"), or lists (.txt)
     #[arg(required = true)]
@@ -47,7 +51,7 @@ pub struct TrackArgs {
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
-    pub many: ManyOptions,
+    pub(crate) many: ManyOptions,
     /// glTF animation, by name or number from 0 [default: the file's only one]
     #[arg(long, value_name = "NAME", help_heading = "Input")]
     pub animation: Option<String>,
@@ -69,61 +73,95 @@ pub struct TrackArgs {
     #[arg(long, value_name = "N", default_value_t = TrackParameters::default().max_gap, help_heading = "Tracks")]
     pub max_gap: usize,
     #[command(flatten)]
-    pub volume: VolumeOptions,
+    pub(crate) volume: VolumeOptions,
     #[command(flatten)]
-    pub options: RegionOptions,
+    pub(crate) options: RegionOptions,
 }
 
-pub fn run(args: &TrackArgs) -> Result<(), CliError> {
-    args.many.run.use_threads()?;
-    args.options.refuse_field()?;
-    if args.volume.all_labels() {
-        return Err(CliError::Usage("--label all: a frame is one shape; choose a label".into()));
+impl TrackArgs {
+    /// The number of threads that is asked for.
+    ///
+    /// # Errors
+    /// [`CliError::Usage`] for one out of range.
+    pub fn threads(&self) -> Result<Option<usize>, CliError> {
+        self.many.run.threads()
     }
-    let parameters = args.options.parameters()?;
-    let tracking = TrackParameters {
-        min_overlap: args.min_overlap,
-        min_likeness: args.min_likeness,
-        max_gap: args.max_gap,
-        ..TrackParameters::default()
-    };
-    tracking.validate().map_err(|e| CliError::Usage(format!("wrong parameter: {e}")))?;
-    let drawn = RenderOptions { height: args.height, up: args.up, ..RenderOptions::default() };
-    drawn.validate().map_err(|e| CliError::Usage(format!("wrong parameter: {e}")))?;
-    let sampling = match (args.frames, args.every) {
-        (Some(frames), _) => Sampling::Count(frames),
-        (None, Some(seconds)) => Sampling::Every(seconds),
-        (None, None) => Sampling::default(),
-    };
-    let volumes = args.options.shape(&args.volume, ReadOptions::default())?;
-    let mut plan = plan_sequence(&args.inputs, args.animation.as_deref(), sampling, &volumes)?;
-    let parameters = share_parameters(
-        &mut plan,
-        args.options.domain(),
-        &parameters,
-        args.options.eigenpairs.is_none() && args.options.lambda_max.is_none(),
-    )?;
-    let batch = BatchParameters {
-        workers: args.many.workers(),
-        memory: parameters.spectrum.memory_limit.unwrap_or(u64::MAX),
-        extras: args.many.write.clone(),
-        shard: None,
-    };
-    let summary = run_plan(&args.many.run, &args.options, &args.output, &plan, parameters, &batch)?;
-    let tracks = track_results(&args.output, &plan, &tracking, &|_| !interrupt::is_requested())?;
+
+    /// Follows the regions and writes the folder of the sequence, with what is asked for besides. `progress` can cancel it,
+    /// `heard` hears how far it is, `warn` what is wrong with the cache.
+    ///
+    /// # Errors
+    /// [`CliError::Usage`], [`CliError::Collection`], [`CliError::Results`]. Frames that fail are no error, but part of
+    /// the summary.
+    pub fn find(
+        &self,
+        progress: ProgressFn,
+        heard: &(dyn Fn(Event) + Sync),
+        warn: &(dyn Fn(&str) + Sync),
+    ) -> Result<(TracksRecord, BatchSummary), CliError> {
+        self.options.refuse_field()?;
+        if self.volume.all_labels() {
+            return Err(CliError::Usage("--label all: a frame is one shape; choose a label".into()));
+        }
+        let parameters = self.options.parameters()?;
+        let tracking = TrackParameters {
+            min_overlap: self.min_overlap,
+            min_likeness: self.min_likeness,
+            max_gap: self.max_gap,
+            ..TrackParameters::default()
+        };
+        tracking.validate().map_err(|e| CliError::Usage(format!("wrong parameter: {e}")))?;
+        let drawn = RenderOptions { height: self.height, up: self.up, ..RenderOptions::default() };
+        drawn.validate().map_err(|e| CliError::Usage(format!("wrong parameter: {e}")))?;
+        let sampling = match (self.frames, self.every) {
+            (Some(frames), _) => Sampling::Count(frames),
+            (None, Some(seconds)) => Sampling::Every(seconds),
+            (None, None) => Sampling::default(),
+        };
+        let volumes = self.options.shape(&self.volume, ReadOptions::default())?;
+        let mut plan = plan_sequence(&self.inputs, self.animation.as_deref(), sampling, &volumes)?;
+        let parameters = share_parameters(
+            &mut plan,
+            self.options.domain(),
+            &parameters,
+            self.options.eigenpairs.is_none() && self.options.lambda_max.is_none(),
+        )?;
+        let batch = BatchParameters {
+            workers: self.many.workers(),
+            memory: parameters.spectrum.memory_limit.unwrap_or(u64::MAX),
+            extras: self.many.write.clone(),
+            shard: None,
+        };
+        let detector = Detector::new(parameters).with_progress(progress);
+        let summary = run_detector(&self.options, &self.output, &plan, &detector, &batch, (heard, warn))?;
+        // All frames have been searched by now.
+        let told = Progress { stage: Stage::Parts, done: 1.0, overall: 1.0 };
+        let goes_on = |_| progress(told).is_continue();
+        let tracks = track_results(&self.output, &plan, &tracking, &goes_on)?;
+        if self.html {
+            let html = track_page(&self.output, &title(&self.inputs), self.up)?;
+            mser3d_fileio::write_text(&self.output.join("tracks.html"), &html)?;
+        }
+        if self.glb {
+            track_glb(&self.output)?;
+        }
+        if self.pictures {
+            track_pictures(&self.output, &drawn)?;
+        }
+        Ok((tracks, summary))
+    }
+}
+
+pub(crate) fn run(args: &TrackArgs) -> Result<(), CliError> {
+    args.many.run.use_threads()?;
+    let meter = BatchMeter::new(args.many.run.quiet);
+    let stop = |_| if interrupt::is_requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let found = args.find(&stop, &|event| meter.report(&event), &|what| meter.warn(what));
+    meter.finish();
+    let (tracks, summary) = found?;
     if !args.many.run.quiet {
         let warn = |what: &String| eprintln!("mser3d: warning: {}: {what}", args.output.display());
         tracks.warnings.iter().for_each(warn);
-    }
-    if args.html {
-        let html = track_page(&args.output, &title(&args.inputs), args.up)?;
-        mser3d_fileio::write_text(&args.output.join("tracks.html"), &html)?;
-    }
-    if args.glb {
-        track_glb(&args.output)?;
-    }
-    if args.pictures {
-        track_pictures(&args.output, &drawn)?;
     }
     if args.json {
         print_json(&tracks)?;

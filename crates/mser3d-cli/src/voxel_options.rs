@@ -58,6 +58,11 @@ impl VoxelOptions {
         triple("--origin", &self.origin)
     }
 
+    /// Neighbours of a voxel.
+    pub fn connectivity(&self) -> Connectivity {
+        self.connectivity
+    }
+
     /// The first option that makes voxels of a mesh, which a volume has no use for.
     pub fn first_given(&self) -> Option<&'static str> {
         let options = [

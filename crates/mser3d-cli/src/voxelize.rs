@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use mser3d::shape::Connectivity;
 use mser3d::voxelize::{Voxelization, voxelize};
-use mser3d_results::{ShapeOptions, VoxelizationRecord};
+use mser3d_results::{ShapeFile, ShapeOptions, VoxelizationRecord};
 use mser3d_volumeio::{Volume, VolumeFormat, write_nifti, write_npy};
 use serde::Serialize;
 
@@ -12,10 +13,11 @@ use crate::input::{InputArgs, output_beside};
 use crate::output::{MASK, file};
 use crate::voxel_options::VoxelOptions;
 
-#[derive(clap::Args)]
+/// What `mser3d voxelize` is told.
+#[derive(clap::Args, Clone, Debug)]
 pub struct VoxelizeArgs {
     #[command(flatten)]
-    pub input: InputArgs,
+    pub(crate) input: InputArgs,
     /// Mask to write, 1 inside and 0 outside: NIfTI (.nii, .nii.gz), which keeps the grid's place, or NumPy
     /// (.npy), indexed [x, y, z] [default: the input's name, as .nii.gz]
     #[arg(short, long, value_name = "FILE", value_parser = file(MASK))]
@@ -24,18 +26,43 @@ pub struct VoxelizeArgs {
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
-    pub options: VoxelOptions,
+    pub(crate) options: VoxelOptions,
 }
 
-pub fn run(args: &VoxelizeArgs) -> Result<(), CliError> {
+impl VoxelizeArgs {
+    /// Reads the shape.
+    ///
+    /// # Errors
+    /// [`CliError::Results`], [`CliError::Usage`] for a time or an animation that is none.
+    pub fn read(&self) -> Result<ShapeFile, CliError> {
+        self.input.read(&ShapeOptions { pose: self.input.pose(), ..Default::default() })
+    }
+
+    /// The neighbours of a voxel.
+    pub fn connectivity(&self) -> Connectivity {
+        self.options.connectivity()
+    }
+
+    /// The solid inside the mesh.
+    ///
+    /// # Errors
+    /// [`CliError::Usage`] for a volume and for values out of range, [`CliError::Shape`].
+    pub fn find(&self, file: &ShapeFile) -> Result<Voxelization, CliError> {
+        let parameters = self.options.parameters()?;
+        let Some(mesh) = file.mesh() else {
+            return Err(CliError::Usage(format!("{}: a volume is voxels already", file.path.display())));
+        };
+        voxelize(mesh, &parameters).map_err(|e| CliError::detection(&file.path, e.into()))
+    }
+}
+
+pub(crate) fn run(args: &VoxelizeArgs) -> Result<(), CliError> {
     let output = args.output.clone().unwrap_or_else(|| output_beside(&args.input.input, ".nii.gz"));
     let write = if VolumeFormat::of(&output) == Some(VolumeFormat::Npy) { write_npy } else { write_nifti };
-    let parameters = args.options.parameters()?;
-    let file = args.input.read(&ShapeOptions { pose: args.input.pose(), ..Default::default() })?;
-    let Some(mesh) = file.mesh() else {
-        return Err(CliError::Usage(format!("{}: a volume is voxels already", file.path.display())));
-    };
-    let solid = voxelize(mesh, &parameters).map_err(|e| CliError::detection(&file.path, e.into()))?;
+    // What is wrong with the parameters is said first.
+    args.options.parameters()?;
+    let file = args.read()?;
+    let solid = args.find(&file)?;
     let frame = solid.grid.frame();
     write(&output, &Volume::from_mask(solid.grid.occupancy(), frame.affine())?)?;
     for warning in &solid.warnings {

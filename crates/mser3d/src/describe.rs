@@ -133,6 +133,20 @@ fn beside(
     Descriptors::new(rows.width() + width, values)
 }
 
+/// The signature of each element of a body, a row each: what the descriptors of its regions are means of, but for size and
+/// sides.
+///
+/// # Errors
+/// [`Error::Descriptor`].
+pub fn signatures(basis: &Eigenbasis, parameters: &Parameters) -> Result<Descriptors, Error> {
+    Ok(match &parameters.descriptor {
+        Descriptor::SidedSiHks(own) | Descriptor::SizedSiHks(own) | Descriptor::SiHks(own) => {
+            si_hks(basis, &own_unit(own, basis, parameters), None)?
+        }
+        Descriptor::Hks(own) => hks(basis, own, None)?,
+    })
+}
+
 /// The parameters with the unit of length that the reference measure gives, where they have none.
 fn own_unit(own: &SiHksParameters, basis: &Eigenbasis, parameters: &Parameters) -> SiHksParameters {
     let mut own = own.clone();

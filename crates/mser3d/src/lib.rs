@@ -68,7 +68,7 @@ mod weight;
 mod weld;
 
 pub use bodies::{Bodies, MIN_BODY_ELEMENTS, MIN_BODY_FRACTIONS};
-pub use describe::{Described, describe};
+pub use describe::{Described, describe, signatures};
 pub use detector::{Detector, FieldSource, SpectrumSource};
 pub use discrete_shape::{DiscreteShape, Elements};
 pub use error::Error;

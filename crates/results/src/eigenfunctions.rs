@@ -89,6 +89,22 @@ impl Eigenfunctions {
         Ok(Self { basis, voxels, row_of_vertex })
     }
 
+    /// Where the rows of a body belong: the voxel of each row, and the row of each vertex.
+    pub(crate) fn places(&self, body: usize) -> Vec<(String, NpyArray<'_>)> {
+        let name = |what: &str| of_body(what, body);
+        let mut arrays = Vec::new();
+        if self.basis.domain() == Domain::Volume {
+            arrays.push((name("voxels"), NpyArray::flat(&self.voxels[..])));
+        }
+        if !self.row_of_vertex.is_empty() {
+            // In numpy -1 is handier for none.
+            let row = |row: &Option<u32>| row.map_or(-1, |row| row as i32);
+            let rows: Vec<i32> = self.row_of_vertex.iter().map(row).collect();
+            arrays.push((name("vertex_row"), NpyArray::flat(rows)));
+        }
+        arrays
+    }
+
     /// The rows of a region of these results, ascending. Rows of other bodies are left out.
     pub fn rows_of_region(&self, results: &Results, region: usize) -> Vec<u32> {
         if results.grid.is_some() {
@@ -106,7 +122,8 @@ impl Eigenfunctions {
 /// Writes those of each body.
 pub(crate) fn write_eigenfunctions(bodies: &[Eigenfunctions], path: &Path) -> Result<(), ResultsError> {
     let mut arrays = Vec::new();
-    for (number, Eigenfunctions { basis, voxels, row_of_vertex }) in bodies.iter().enumerate() {
+    for (number, body) in bodies.iter().enumerate() {
+        let basis = &body.basis;
         let name = |what: &str| of_body(what, number);
         let shape = [basis.len(), basis.eigenvalues().len()];
         // Half the bytes: a solver's error is larger than the rounding.
@@ -114,14 +131,7 @@ pub(crate) fn write_eigenfunctions(bodies: &[Eigenfunctions], path: &Path) -> Re
         arrays.push((name("eigenvalues"), NpyArray::flat(basis.eigenvalues())));
         arrays.push((name("eigenfunctions"), NpyArray::new(&shape, functions)?));
         arrays.push((name("mass"), NpyArray::flat(basis.mass())));
-        if basis.domain() == Domain::Volume {
-            arrays.push((name("voxels"), NpyArray::flat(&voxels[..])));
-        }
-        if !row_of_vertex.is_empty() {
-            // In numpy -1 is handier for none.
-            let rows: Vec<i32> = row_of_vertex.iter().map(|row| row.map_or(-1, |row| row as i32)).collect();
-            arrays.push((name("vertex_row"), NpyArray::flat(rows)));
-        }
+        arrays.extend(body.places(number));
     }
     let arrays: Vec<(&str, NpyArray<'_>)> =
         arrays.iter().map(|(name, array)| (name.as_str(), array.clone())).collect();

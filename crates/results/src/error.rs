@@ -163,6 +163,9 @@ pub enum ResultsError {
         /// The volume.
         path: PathBuf,
     },
+    /// Signatures cannot be computed.
+    #[error("{0}")]
+    Signatures(#[source] Box<mser3d::Error>),
     /// Maximally stable volumes cannot be searched.
     #[error(transparent)]
     Tree(#[from] mser3d::comptree::TreeError),

@@ -51,15 +51,17 @@ impl FieldFile {
     /// [`ResultsError::File`] for files that are none, are damaged or hold no real numbers.
     pub fn read(path: &Path) -> Result<Self, ResultsError> {
         let (array, first_axis_fastest) = read_npy(path)?;
-        let values = in_c_order(&array, first_axis_fastest);
+        Ok(Self::of_values(array.shape(), in_c_order(&array, first_axis_fastest), path))
+    }
+
+    /// An array that is in memory, with its values in C order; `name` tells people where it came from. Values that do not
+    /// fit the shape are refused by [`FieldFile::on`].
+    pub fn of_values(shape: &[usize], values: Vec<f64>, name: &Path) -> Self {
         let mut hash = Sha256::new();
         values.iter().for_each(|x| hash.update(x.to_le_bytes()));
-        let record = FieldRecord {
-            path: path.display().to_string(),
-            shape: array.shape().to_vec(),
-            sha256: hex(hash.finalize()),
-        };
-        Ok(Self { path: path.to_owned(), record, values })
+        let path = name.display().to_string();
+        let record = FieldRecord { path, shape: shape.to_vec(), sha256: hex(hash.finalize()) };
+        Self { path: name.to_owned(), record, values }
     }
 
     /// What a record says of it.
@@ -80,10 +82,8 @@ impl FieldFile {
         &'a self,
         file: &'a ShapeFile,
     ) -> Result<impl Fn(&DiscreteShape) -> Result<Field, Error> + Sync + use<'a>, ResultsError> {
-        let of_mesh = file.loaded().map(|loaded| {
-            let vertices = loaded.mesh.vertices().len();
-            self.of_vertices(vertices, loaded.weld.as_deref())
-        });
+        let weld = file.loaded().and_then(|loaded| loaded.weld.as_deref());
+        let of_mesh = file.mesh().map(|mesh| self.of_vertices(mesh.vertices().len(), weld));
         let of_mesh = of_mesh.transpose()?;
         if let Some(solid) = file.solid() {
             self.width_on_volume(solid.grid.frame().dims())?;

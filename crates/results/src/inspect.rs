@@ -96,8 +96,8 @@ impl Inspection {
         });
         let mut found = Self {
             input: InputRecord {
-                sha256: Some(file.sha256.clone()),
-                bytes: Some(file.bytes),
+                sha256: file.sha256.clone(),
+                bytes: file.bytes,
                 format: Some(loaded.format.to_string()),
                 volume: Some(file.record()),
                 ..InputRecord::named(file.path.display().to_string())

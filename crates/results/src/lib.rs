@@ -15,6 +15,8 @@
 //! | `regions.json` | [`Record`]: version, input, parameters, warnings, trees, and the numbers of each region |
 //! | `features.npz` | the arrays below |
 //! | `eigenfunctions.npz` | if asked for: the eigenpairs of each body ([`Eigenfunctions`]) |
+//! | `signatures.npz` | if asked for: the signature of each element ([`mser3d::signatures`]) |
+//! | `fields.vti` | if asked for: the first eigenfunctions and the signature of each voxel |
 //! | `surface.ply` | the mesh; colour and innermost region per vertex (none for a solid given as voxels) |
 //! | `volume.vti` | innermost region per voxel, and its part (volumes only) |
 //!
@@ -81,6 +83,7 @@ mod record;
 mod results;
 mod shape_file;
 mod sides;
+mod signatures;
 mod tracks;
 mod volume_file;
 mod write;

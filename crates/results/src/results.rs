@@ -81,7 +81,8 @@ impl Results {
     /// The same results with what some of the files that are written besides need.
     #[must_use]
     pub fn with_extras(self, features: &Features, extras: &[Extra]) -> Self {
-        let kept = extras.contains(&Extra::Eigenfunctions).then(|| Eigenfunctions::of(features));
+        let kept =
+            extras.iter().any(|extra| extra.needs_eigenfunctions()).then(|| Eigenfunctions::of(features));
         Self { eigenfunctions: kept, ..self }
     }
 

@@ -4,7 +4,7 @@ use mser3d::Input;
 use mser3d::voxelize::diagnose;
 use mser3d_fileio::read_bytes;
 use mser3d_meshio::{LoadedMesh, MeshFormat, MeshIoError, ReadOptions, read_mesh_from};
-use mser3d_shape::{Domain, TriangleMesh};
+use mser3d_shape::{Domain, InvalidParameter, TriangleMesh};
 use mser3d_volumeio::{BodyParameters, LabelName, PlacementParameters, VolumeFormat};
 use sha2::{Digest, Sha256};
 
@@ -23,7 +23,8 @@ pub struct ShapeOptions {
     pub label_names: Vec<LabelName>,
 }
 
-/// A file with a shape that was read: what a detector takes, and what a record says of it.
+/// A file with a shape that was read: what a detector takes, and what a record says of it. [`ShapeFile::of_mesh`] and
+/// [`VolumeFile::of_volume`] make the same of what is in memory.
 ///
 /// ```no_run
 /// use mser3d::{Detector, Domain};
@@ -40,12 +41,12 @@ pub struct ShapeOptions {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct ShapeFile {
-    /// The file.
+    /// The file, or the name of what is in memory.
     pub path: PathBuf,
-    /// SHA-256 of the file.
-    pub sha256: String,
-    /// Its size.
-    pub bytes: u64,
+    /// SHA-256 of the file; none of what was in memory.
+    pub sha256: Option<String>,
+    /// Its size; none of what was in memory.
+    pub bytes: Option<u64>,
     /// The frame of an animation that was read.
     pub pose: ReadOptions,
     /// What it holds.
@@ -55,8 +56,10 @@ pub struct ShapeFile {
 /// What a [`ShapeFile`] holds.
 #[derive(Clone, Debug)]
 pub enum Contents {
-    /// A mesh.
+    /// A mesh from a file.
     Mesh(Box<LoadedMesh>),
+    /// A mesh that was in memory.
+    BareMesh(Box<TriangleMesh>),
     /// The body in a volume.
     Volume(Box<SolidVolume>),
 }
@@ -93,30 +96,51 @@ impl ShapeFile {
         tracing::info!(path = %path.display(), %format, vertices, triangles, "read");
         Ok(Self {
             path: path.to_owned(),
-            sha256,
-            bytes: bytes.len() as u64,
+            sha256: Some(sha256),
+            bytes: Some(bytes.len() as u64),
             pose: options.pose.clone(),
             contents: Contents::Mesh(Box::new(loaded)),
         })
     }
 
-    /// The mesh, if it is one.
-    pub fn mesh(&self) -> Option<&TriangleMesh> {
-        self.loaded().map(|loaded| &loaded.mesh)
+    /// A mesh that is in memory; `name` tells people where it came from.
+    ///
+    /// # Errors
+    /// [`ResultsError::NoVolume`] for a label, a threshold or a place; [`ResultsError::InvalidParameter`] for an animation.
+    pub fn of_mesh(mesh: TriangleMesh, name: &str, options: &ShapeOptions) -> Result<Self, ResultsError> {
+        let path = PathBuf::from(name);
+        if let Some(option) = options.first_of_volumes() {
+            return Err(ResultsError::NoVolume { path, option });
+        }
+        if let Some(animation) = &options.pose.animation {
+            let expected = "none: only glTF files have animations";
+            return Err(InvalidParameter::new("animation", animation, expected).into());
+        }
+        let contents = Contents::BareMesh(Box::new(mesh));
+        Ok(Self { path, sha256: None, bytes: None, pose: ReadOptions::default(), contents })
     }
 
-    /// The mesh, and what reading it told.
+    /// The mesh, if it is one.
+    pub fn mesh(&self) -> Option<&TriangleMesh> {
+        match &self.contents {
+            Contents::Mesh(loaded) => Some(&loaded.mesh),
+            Contents::BareMesh(mesh) => Some(mesh),
+            Contents::Volume(_) => None,
+        }
+    }
+
+    /// The mesh of a file, and what reading it told.
     pub fn loaded(&self) -> Option<&LoadedMesh> {
         match &self.contents {
             Contents::Mesh(loaded) => Some(loaded),
-            Contents::Volume(_) => None,
+            Contents::BareMesh(_) | Contents::Volume(_) => None,
         }
     }
 
     /// The solid of a volume, if it is one.
     pub fn solid(&self) -> Option<&SolidVolume> {
         match &self.contents {
-            Contents::Mesh(_) => None,
+            Contents::Mesh(_) | Contents::BareMesh(_) => None,
             Contents::Volume(solid) => Some(solid),
         }
     }
@@ -125,6 +149,7 @@ impl ShapeFile {
     pub fn notes(&self) -> &[String] {
         match &self.contents {
             Contents::Mesh(loaded) => &loaded.notes,
+            Contents::BareMesh(_) => &[],
             Contents::Volume(solid) => &solid.notes,
         }
     }
@@ -147,16 +172,18 @@ impl ShapeFile {
     pub fn volume(&self) -> Input<'_> {
         match &self.contents {
             Contents::Mesh(loaded) => Input::Volume(&loaded.mesh),
+            Contents::BareMesh(mesh) => Input::Volume(mesh),
             Contents::Volume(solid) => Input::Solid(&solid.grid),
         }
     }
 
     /// Its format, in words.
     pub fn format(&self) -> String {
-        match (self.loaded(), VolumeFormat::of(&self.path)) {
-            (Some(loaded), _) => loaded.format.to_string(),
-            (None, Some(format)) => format!("{format} mask"),
-            (None, None) => "mask".into(),
+        match (&self.contents, VolumeFormat::of(&self.path)) {
+            (Contents::Mesh(loaded), _) => loaded.format.to_string(),
+            (Contents::BareMesh(_), _) => "mesh in memory".into(),
+            (Contents::Volume(_), Some(format)) => format!("{format} mask"),
+            (Contents::Volume(_), None) => "mask".into(),
         }
     }
 
@@ -164,9 +191,9 @@ impl ShapeFile {
     pub fn identity(&self) -> InputRecord {
         InputRecord {
             path: self.path.display().to_string(),
-            sha256: Some(self.sha256.clone()),
+            sha256: self.sha256.clone(),
             mesh_sha256: self.mesh().map(mesh_sha256),
-            bytes: Some(self.bytes),
+            bytes: self.bytes,
             format: Some(self.format()),
             animation: self.pose.animation.clone(),
             time: self.pose.time,

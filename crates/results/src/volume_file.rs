@@ -3,7 +3,8 @@ use std::path::{Path, PathBuf};
 use mser3d_fileio::read_bytes;
 use mser3d_shape::{BitGrid, ShapeError, VoxelGrid};
 use mser3d_volumeio::{
-    Affine, Body, BodyParameters, ChannelKind, LabelCount, LoadedVolume, World, WorldAxes, read_volume,
+    Affine, Body, BodyParameters, ChannelKind, LabelCount, LoadedVolume, Volume, World, WorldAxes,
+    read_volume,
 };
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -24,12 +25,12 @@ use crate::{ResultsError, ShapeOptions};
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct VolumeFile {
-    /// The file.
+    /// The file, or the name of what is in memory.
     pub path: PathBuf,
-    /// SHA-256 of the file; of data in a second file, see [`BodyRecord::sha256`].
-    pub sha256: String,
-    /// Its size.
-    pub bytes: u64,
+    /// SHA-256 of the file; of data in a second file, see [`BodyRecord::sha256`]. None of what was in memory.
+    pub sha256: Option<String>,
+    /// Its size; none of what was in memory.
+    pub bytes: Option<u64>,
     /// What it holds.
     pub loaded: LoadedVolume,
 }
@@ -105,9 +106,29 @@ impl VolumeFile {
         options.placement.validate()?;
         let bytes = read_bytes(path)?;
         let sha256 = hex(Sha256::digest(&bytes));
-        let loaded = read_volume(path)?.with_label_names(&options.label_names);
-        let loaded = loaded.placed(&options.placement).map_err(|e| misplaced(path, e))?;
-        Ok(Self { path: path.to_owned(), sha256, bytes: bytes.len() as u64, loaded })
+        let file = Self {
+            path: path.to_owned(),
+            sha256: Some(sha256),
+            bytes: Some(bytes.len() as u64),
+            loaded: read_volume(path)?,
+        };
+        file.placed(options)
+    }
+
+    /// A volume that is in memory, placed, and its labels named; `name` tells people where it came from.
+    ///
+    /// # Errors
+    /// [`ResultsError::Placement`], [`ResultsError::InvalidParameter`].
+    pub fn of_volume(volume: Volume, name: &str, options: &ShapeOptions) -> Result<Self, ResultsError> {
+        options.placement.validate()?;
+        let loaded = LoadedVolume::of_array(volume);
+        Self { path: name.into(), sha256: None, bytes: None, loaded }.placed(options)
+    }
+
+    fn placed(self, options: &ShapeOptions) -> Result<Self, ResultsError> {
+        let loaded = self.loaded.with_label_names(&options.label_names);
+        let loaded = loaded.placed(&options.placement).map_err(|e| misplaced(&self.path, e))?;
+        Ok(Self { loaded, ..self })
     }
 
     /// The labels of a label map but 0, of one of several volumes or of all layers.

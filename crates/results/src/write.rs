@@ -18,6 +18,10 @@ mser3d_shape::choice! {
         Landmarks = "landmarks",
         /// The eigenpairs that the regions were found with, eigenfunctions.npz, which a map between two shapes needs
         Eigenfunctions = "eigenfunctions",
+        /// The signature of each voxel or vertex, signatures.npz: what a region's descriptor is the mean of
+        Signatures = "signatures",
+        /// The first eigenfunctions and the signature of each voxel for ParaView, fields.vti
+        Fields = "fields",
         /// The surface with triangles no larger than a voxel, fine_surface.ply: of a mesh of few vertices, what the voxels have
         FineSurface = "fine-surface",
     }
@@ -30,8 +34,15 @@ impl Extra {
             Self::Nifti => "regions.nii.gz",
             Self::Landmarks => "landmarks.mrk.json",
             Self::Eigenfunctions => "eigenfunctions.npz",
+            Self::Signatures => "signatures.npz",
+            Self::Fields => "fields.vti",
             Self::FineSurface => "fine_surface.ply",
         }
+    }
+
+    /// Whether it is made of the eigenpairs, which have to be kept for it.
+    pub fn needs_eigenfunctions(self) -> bool {
+        matches!(self, Self::Eigenfunctions | Self::Signatures | Self::Fields)
     }
 }
 
@@ -136,7 +147,9 @@ impl Results {
             let path = folder.join(extra.file_name());
             match (extra, &self.eigenfunctions) {
                 (Extra::Eigenfunctions, Some(bodies)) => write_eigenfunctions(bodies, &path)?,
-                (Extra::Eigenfunctions, None) => {
+                (Extra::Signatures, Some(bodies)) => self.write_signatures(bodies, &path)?,
+                (Extra::Fields, Some(bodies)) => self.write_fields(bodies, &path)?,
+                (extra, None) if extra.needs_eigenfunctions() => {
                     return Err(ResultsError::NoEigenfunctions { folder: folder.to_owned() });
                 }
                 (Extra::FineSurface, _) => self.write_fine_surface(&path)?,

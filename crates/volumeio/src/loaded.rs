@@ -105,6 +105,12 @@ pub struct LoadedVolume {
 }
 
 impl LoadedVolume {
+    /// A volume that is known as an array, as from a `.npy` file: its axes are those of the world.
+    pub fn of_array(volume: Volume) -> Self {
+        let world = World { axes: WorldAxes::Array, unit: None };
+        Self { world, ..Self::plain(volume, VolumeFormat::Npy) }
+    }
+
     /// A volume of which the file says no more.
     pub(crate) fn plain(volume: Volume, format: VolumeFormat) -> Self {
         let channels = match volume.channels() {

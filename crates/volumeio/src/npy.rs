@@ -3,10 +3,9 @@
 //! Read here and not by `mser3d-fileio`: volumes come in every type and byte order, features do not.
 use crate::error::Fault;
 use crate::half::halves;
-use crate::loaded::{World, WorldAxes};
 use crate::sample_type::SampleType;
 use crate::volume::voxel_count;
-use crate::{Affine, LoadedVolume, Volume, VolumeFormat, VolumeIoError};
+use crate::{Affine, LoadedVolume, Volume, VolumeIoError};
 use mser3d_fileio::write_atomically;
 use std::io::{Read, Write};
 use std::path::Path;
@@ -34,8 +33,7 @@ pub(crate) fn read(mut source: impl Read) -> Result<LoadedVolume, Fault> {
     };
     let values = if first_axis_fastest && channels == 1 { values } else { values.permuted(place) };
     let volume = Volume::new(dims, channels, Affine::default(), values)?;
-    let world = World { axes: WorldAxes::Array, unit: None };
-    Ok(LoadedVolume { world, ..LoadedVolume::plain(volume, VolumeFormat::Npy) })
+    Ok(LoadedVolume::of_array(volume))
 }
 
 /// The text that describes the array.

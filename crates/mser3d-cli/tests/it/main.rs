@@ -14,6 +14,7 @@ mod outputs;
 mod results;
 mod shell;
 mod sides;
+mod signatures;
 #[cfg(unix)]
 mod system;
 mod track;
