@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use crate::command::output;
+use crate::command::{MINUTE, output};
 
 /// Optimizing all crates takes minutes on a small machine.
 const BUILD: Duration = Duration::from_secs(3600);
@@ -36,11 +36,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             return Ok(());
         }
     };
+    // What the workspace has compiled serves here too.
+    let target = workspace.join("target");
+    let manifest = package.join("Cargo.toml");
+    let mut format = cargo("fmt", &manifest);
+    output(format.arg("--check"), MINUTE)?;
+    let mut lint = cargo("clippy", &manifest);
+    lint.args(["--locked", "--quiet", "--target-dir"]).arg(&target).args(["--", "-D", "warnings"]);
+    output(&mut lint, BUILD)?;
+
     let start = Instant::now();
     let mut install = pip(&python, &["install", "--quiet"]);
     install.arg(format!("{}[test]", package.display()));
-    // What the workspace has compiled serves here too.
-    let target = workspace.join("target");
     install.env("CARGO_TARGET_DIR", &target);
     output(&mut install, BUILD)?;
     println!("installed from the checkout in {:.0} s", start.elapsed().as_secs_f64());
@@ -97,6 +104,13 @@ fn environment(folder: &Path) -> Result<PathBuf, String> {
     let mut install = pip(&python, &["install", "--quiet", "--timeout", "15", "--retries", "1", "numpy"]);
     output(&mut install, WHILE).map_err(|e| format!("PyPI cannot be reached: {e}"))?;
     Ok(python)
+}
+
+/// A command of cargo on the package, which is a workspace of its own.
+fn cargo(command: &str, manifest: &Path) -> Command {
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.arg(command).arg("--manifest-path").arg(manifest);
+    cargo
 }
 
 fn pip(python: &Path, words: &[&str]) -> Command {

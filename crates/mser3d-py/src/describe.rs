@@ -16,7 +16,7 @@ pub fn commands() -> Vec<String> {
     command.get_subcommands().map(|c| c.get_name().to_owned()).collect()
 }
 
-/// The options of a command that are keyword arguments: a dict of name, help, kind (flag, int, float or text), many,
+/// The options of a command that are keyword arguments: a dict of name, help, kind (flag, int, float, path or text), many,
 /// default (texts), choices (name and help) and value for each.
 #[pyfunction]
 pub fn options<'py>(py: Python<'py>, command: &str) -> PyResult<Bound<'py, PyList>> {
@@ -57,7 +57,7 @@ fn described<'py>(py: Python<'py>, arg: &Arg) -> PyResult<Bound<'py, PyDict>> {
     Ok(dict)
 }
 
-/// Flag, int, float or text.
+/// Flag, int, float, path or text.
 fn kind(arg: &Arg) -> &'static str {
     if matches!(arg.get_action(), ArgAction::SetTrue) {
         return "flag";
@@ -68,6 +68,8 @@ fn kind(arg: &Arg) -> &'static str {
         "int"
     } else if one_of(&[TypeId::of::<f64>()]) {
         "float"
+    } else if one_of(&[TypeId::of::<std::path::PathBuf>()]) {
+        "path"
     } else {
         "text"
     }

@@ -38,7 +38,7 @@ mod _native {
     #[pymodule_export]
     use crate::matching::match_results;
     #[pymodule_export]
-    use crate::msv::msv;
+    use crate::msv::{Msv, msv};
     #[pymodule_export]
     use crate::operators::{Operator, cotangent_laplacian, eigs, grid_laplacian};
     #[pymodule_export]

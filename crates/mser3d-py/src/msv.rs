@@ -2,8 +2,9 @@
 
 use mser3d_cli::MsvArgs;
 use mser3d_results::VolumeFile;
+use mser3d_results::msv::MsvResults;
 use numpy::{PyArrayMethods, PyReadonlyArray2};
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -16,17 +17,50 @@ use crate::run::{Call, run};
 /// A volume that is an array: its lengths, its channels, its numbers x fastest; and a map to the world.
 type Given<'py> = ([usize; 3], usize, Bound<'py, PyAny>, Option<PyReadonlyArray2<'py, f64>>);
 
-/// The regions of a volume from a file or an array: `msv.json` as text, for each search the smallest region of each voxel
-/// (indexed [search, x, y, z]; -1 for none), and what reading it said. `save` is a folder to write.
+/// What was found in a volume.
+#[pyclass(frozen, module = "mser3d._native")]
+pub struct Msv {
+    found: MsvResults,
+    notes: Vec<String>,
+}
+
+#[pymethods]
+impl Msv {
+    /// What reading the volume said.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.notes.clone()
+    }
+
+    /// `msv.json` as text.
+    fn json(&self, py: Python<'_>) -> PyResult<String> {
+        py.detach(|| serde_json::to_string(&self.found.record)).map_err(|e| exception(usage(e)))
+    }
+
+    /// The smallest region of each voxel, indexed [x, y, z]; -1 for none.
+    fn labels<'py>(&self, py: Python<'py>, search: usize) -> PyResult<Bound<'py, PyAny>> {
+        let found = self.found.labels.get(search);
+        let found = found.ok_or_else(|| PyIndexError::new_err(format!("there is no search {search}")))?;
+        let [nx, ny, nz] = self.found.record.dims;
+        let mut labels = Vec::with_capacity(nx * ny * nz);
+        for (i, j) in (0..nx).flat_map(|i| (0..ny).map(move |j| (i, j))) {
+            labels.extend((0..nz).map(|k| found[(k * ny + j) * nx + i].map_or(-1, |label| label as i32)));
+        }
+        let labels = flat(py, labels).reshape([nx, ny, nz]);
+        Ok(labels.map_err(|e| PyValueError::new_err(e.to_string()))?.into_any())
+    }
+}
+
+/// The regions of a volume from a file or an array. `save` is a folder to write.
 #[pyfunction]
 #[pyo3(signature = (path, given, keywords, save=None))]
-pub fn msv<'py>(
-    py: Python<'py>,
+pub fn msv(
+    py: Python<'_>,
     path: Option<std::path::PathBuf>,
-    given: Option<Given<'py>>,
+    given: Option<Given<'_>>,
     keywords: &Bound<'_, PyDict>,
     save: Option<std::path::PathBuf>,
-) -> PyResult<(String, Bound<'py, PyAny>, Vec<String>)> {
+) -> PyResult<Msv> {
     let path = path.unwrap_or_else(|| ARRAY.into());
     let args: MsvArgs = parse("msv", keywords, &[path.clone().into()])?;
     let mut options = args.shape_options().map_err(exception)?;
@@ -40,7 +74,7 @@ pub fn msv<'py>(
         }
     };
     let colours = given.as_ref().is_some_and(|volume| volume.channels() > 1);
-    let (found, notes) = run(py, &Call { progress: None, threads: None }, move |_| {
+    run(py, &Call { progress: None, threads: None }, move |_| {
         let mut file = match given {
             Some(volume) => VolumeFile::of_volume(volume, ARRAY, &options)?,
             None => VolumeFile::read(&path, &options)?,
@@ -54,18 +88,6 @@ pub fn msv<'py>(
         if let Some(folder) = save {
             found.write(&folder)?;
         }
-        Ok((found, notes))
-    })?;
-    let json = serde_json::to_string(&found.record).map_err(|e| exception(usage(e)))?;
-    let [nx, ny, nz] = found.record.dims;
-    let mut labels = Vec::with_capacity(found.labels.len() * nx * ny * nz);
-    for search in &found.labels {
-        for place in 0..nx * ny * nz {
-            let [i, j, k] = [place / (ny * nz), place / nz % ny, place % nz];
-            labels.push(search[(k * ny + j) * nx + i].map_or(-1, |label| label as i32));
-        }
-    }
-    let labels = flat(py, labels).reshape([found.labels.len(), nx, ny, nz]);
-    let labels = labels.map_err(|e| PyValueError::new_err(e.to_string()))?.into_any();
-    Ok((json, labels, notes))
+        Ok(Msv { found, notes })
+    })
 }

@@ -2,9 +2,10 @@
 
 use std::collections::HashSet;
 use std::ffi::OsString;
+use std::sync::LazyLock;
 
 use mser3d_cli::CliError;
-use mser3d_cli::clap::{Arg, ArgAction};
+use mser3d_cli::clap::{Arg, ArgAction, Command};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString};
@@ -32,7 +33,9 @@ const NOT_IN_PYTHON: [&str; 15] = [
 
 /// The options of a command that are keyword arguments in Python.
 pub fn known(command: &str) -> Option<Vec<Arg>> {
-    let root = mser3d_cli::command();
+    // Made once: it takes longer than many a call.
+    static COMMAND: LazyLock<Command> = LazyLock::new(mser3d_cli::command);
+    let root = &*COMMAND;
     let found = root.find_subcommand(command)?;
     let kept = |arg: &&Arg| {
         !NOT_IN_PYTHON.contains(&arg.get_id().as_str())

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::result::Result as StdResult;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use mser3d_cli::{CliError, RenderArgs};
 use mser3d_collection::DescribedResult;
@@ -26,6 +26,8 @@ pub struct Found {
     warnings: Vec<String>,
     /// Where it was read from, or what it is called.
     folder: PathBuf,
+    /// A copy to be compared with others, once one was asked for.
+    described: OnceLock<Arc<DescribedResult>>,
 }
 
 pub use Found as Result;
@@ -35,15 +37,19 @@ impl Found {
     pub fn new(mut results: Results, warnings: Vec<String>) -> Self {
         let eigenfunctions = results.eigenfunctions.take().map(Arc::new);
         let folder = PathBuf::from(&results.record.input.path);
-        Self { results: Arc::new(results), eigenfunctions, warnings, folder }
+        Self { results: Arc::new(results), eigenfunctions, warnings, folder, described: OnceLock::new() }
     }
 
     /// A copy to be compared with others.
     ///
     /// # Errors
     /// For a result without regions.
-    pub fn described(&self) -> StdResult<DescribedResult, CliError> {
-        Ok(DescribedResult::new(Results::clone(&self.results), &self.folder)?)
+    pub fn described(&self) -> StdResult<Arc<DescribedResult>, CliError> {
+        if let Some(known) = self.described.get() {
+            return Ok(Arc::clone(known));
+        }
+        let new = DescribedResult::new(Results::clone(&self.results), &self.folder)?;
+        Ok(Arc::clone(self.described.get_or_init(|| Arc::new(new))))
     }
 
     fn body(&self, body: usize) -> PyResult<&Eigenfunctions> {
@@ -252,5 +258,6 @@ pub fn load(py: Python<'_>, folder: PathBuf) -> PyResult<Found> {
     };
     let (results, eigenfunctions) = py.detach(|| read(&folder)).map_err(exception)?;
     let eigenfunctions = eigenfunctions.map(Arc::new);
-    Ok(Found { results: Arc::new(results), eigenfunctions, warnings: Vec::new(), folder })
+    let described = OnceLock::new();
+    Ok(Found { results: Arc::new(results), eigenfunctions, warnings: Vec::new(), folder, described })
 }

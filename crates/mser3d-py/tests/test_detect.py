@@ -52,7 +52,7 @@ def test_the_result_fits_together(result):
     gram = result.evecs.T * result.mass @ result.evecs
     np.testing.assert_allclose(gram, np.eye(k), atol=1e-9)
     for number, region in enumerate(result.regions):
-        assert region.id == number and region["voxels"] == len(region.voxels) or True
+        assert region.id == number
         assert region.volume_fraction == pytest.approx(len(region.voxels) / n, abs=1e-12)
     # The smallest region that has a voxel is its label.
     label = np.full(n, -1)
@@ -68,8 +68,24 @@ def test_the_result_fits_together(result):
 def test_parts_are_limbs_and_trunk(result, human):
     assert len(result.parts) >= 6 and sum(part.trunk for part in result.parts) == 1
     assert set(result.vertex_parts) == set(range(len(result.parts)))
-    two = mser3d.parts(human, n=3, voxels=4000)
-    assert len(two.parts) <= 3 and len(np.unique(two.voxel_parts)) == len(two.parts)
+    few = mser3d.parts(human, n=3, voxels=4000)
+    assert 1 < len(few.parts) <= 3 and len(np.unique(few.voxel_parts)) == len(few.parts)
+    of_mask = mser3d.parts(result.volume_of(np.ones(len(result.voxel_index)), fill=0), affine=result.affine)
+    assert len(of_mask.parts) >= 6
+
+
+def test_each_body_has_its_eigenpairs():
+    low, high = box((0, 0, 0), (3, 1, 1)), box((0, 5, 0), (2, 6, 1))
+    both = np.vstack([low[0], high[0]]), np.vstack([low[1], high[1] + 8])
+    result = mser3d.detect(*both, bodies="all", voxels=1000, eigenpairs=8, reliability=0)
+    assert len(result.record["bodies"]) == 2
+    for body, measure in enumerate((3.0, 2.0)):
+        evals, evecs, mass, voxels = result.eigenpairs(body)
+        assert evecs.shape == (len(voxels), 8) and mass.sum() == pytest.approx(measure, rel=0.05)
+        np.testing.assert_allclose(evecs.T * mass @ evecs, np.eye(8), atol=1e-9)
+        assert evals[0] == 0.0 < evals[1]
+    with pytest.raises(IndexError, match="body 2"):
+        result.eigenpairs(2)
 
 
 def test_a_folder_is_read_back(result, tmp_path):

@@ -28,6 +28,11 @@ def test_pages_run(page, tmp_path, monkeypatch):
     assert names
 
 
+def test_the_version_is_the_workspaces():
+    text = (ROOT / "Cargo.toml").read_text()
+    assert f'version = "{mser3d.__version__}"' in text.split("[workspace.package]")[1]
+
+
 def test_the_stub_is_current():
     assert pathlib.Path(_stubs.PATH).read_text() == _stubs.stubs(), "run: python -m mser3d._stubs"
 

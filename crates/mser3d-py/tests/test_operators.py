@@ -117,8 +117,8 @@ def test_region_descriptors_are_means_of_signatures(human):
 def test_voxels_are_trimeshs():
     trimesh = pytest.importorskip("trimesh")
     pytest.importorskip("rtree")
-    sphere = trimesh.creation.icosphere(subdivisions=4, radius=1.0)
-    voxels = mser3d.voxelize(sphere, pitch=0.083)
+    sphere = trimesh.creation.icosphere(subdivisions=3, radius=1.0)
+    voxels = mser3d.voxelize(sphere, pitch=0.17)
     grid = np.argwhere(np.ones(voxels.shape)) @ voxels.affine[:3, :3].T + voxels.affine[:3, 3]
     inside = trimesh.Trimesh(sphere.vertices, sphere.faces).contains(grid)
     np.testing.assert_array_equal(voxels.mask.ravel(), inside)

@@ -68,52 +68,52 @@ def detect(
     faces: Any = None,
     *,
     progress: Progress = None,
-    animation: Optional[str] = None,
+    animation: str | None = None,
     time: float = 0.0,
-    volume: Optional[int] = None,
-    label: Optional[str] = None,
-    threshold: Optional[float] = None,
-    labels: Optional[str] = None,
-    affine: Optional[str] = None,
-    threads: Optional[int] = None,
+    volume: int | None = None,
+    label: int | str | None = None,
+    threshold: float | None = None,
+    labels: Mapping[int, str] | str | os.PathLike[str] | None = None,
+    affine: Any = None,
+    threads: int | None = None,
     surface: bool = False,
-    weight: Union[Literal['heat', 'commute', 'edge', 'diffusion', 'curvature', 'field'], Any] = 'heat',
-    smooth_weight: Optional[float] = None,
-    time_scale: Union[float, tuple[float, ...], list[float]] = (0.25, 0.5, 1.0, 2.0),
-    absolute_time: Union[float, tuple[float, ...], list[float], None] = None,
-    reference_measure: Optional[float] = None,
+    weight: Any = 'heat',
+    smooth_weight: float | None = None,
+    time_scale: float | Sequence[float] = (0.25, 0.5, 1.0, 2.0),
+    absolute_time: float | Sequence[float] | None = None,
+    reference_measure: float | None = None,
     bodies: Literal['largest', 'all', 'join'] = 'largest',
-    polarity: Optional[Literal['sublevel', 'superlevel']] = None,
-    voxels: Optional[int] = None,
-    resolution: Optional[int] = None,
-    pitch: Optional[float] = None,
-    spacing: Union[float, tuple[float, ...], list[float], None] = None,
-    origin: Union[float, tuple[float, ...], list[float], None] = None,
-    connectivity: Literal['6', '26'] = '6',
+    polarity: Literal['sublevel', 'superlevel'] | None = None,
+    voxels: int | None = None,
+    resolution: int | None = None,
+    pitch: float | None = None,
+    spacing: float | Sequence[float] | None = None,
+    origin: float | Sequence[float] | None = None,
+    connectivity: Literal['6', '26', 6, 26] = '6',
     inside: Literal['auto', 'parity', 'vote', 'winding'] = 'auto',
     overlap: Literal['auto', 'part', 'join'] = 'auto',
     no_cut_links: bool = False,
-    morphology: Optional[Literal['open', 'close']] = None,
+    morphology: Literal['open', 'close'] | None = None,
     max_box_voxels: int = 4294967296,
-    eigenpairs: Optional[int] = None,
-    lambda_max: Optional[float] = None,
+    eigenpairs: int | None = None,
+    lambda_max: float | None = None,
     tolerance: float = 1e-09,
     solver: Literal['auto', 'shift-invert', 'filter'] = 'auto',
-    memory_limit: Optional[int] = None,
-    cache: Optional[str] = None,
+    memory_limit: int | None = None,
+    cache: str | os.PathLike[str] | None = None,
     stability_rule: Literal['windowed', 'paper', 'baseline'] = 'windowed',
     window: float = 0.25,
-    min_lifetime: Optional[float] = None,
-    altitude: Optional[Literal['log', 'linear']] = None,
+    min_lifetime: float | None = None,
+    altitude: Literal['log', 'linear'] | None = None,
     min_volume: float = 0.01,
     max_volume: float = 0.75,
     min_diversity: float = 0.2,
-    min_stability: Optional[float] = None,
+    min_stability: float | None = None,
     duplicate_overlap: float = 0.9,
-    reliability: Optional[int] = None,
-    min_reliability: Optional[float] = None,
+    reliability: int | None = None,
+    min_reliability: float | None = None,
     descriptor: Literal['sided-si-hks', 'sized-si-hks', 'si-hks', 'hks'] = 'sided-si-hks',
-    parts: str = 'auto',
+    parts: int | str = 'auto',
 ) -> Result:
     """Finds and describes the stable regions of a mesh, or of the shape in a file.
 
@@ -156,9 +156,9 @@ def detect(
         The body is this label, by number or name; all: each label is a shape of its own
     threshold : float, default None
         The body is the voxels of at least this value
-    labels : str, default None
+    labels : path, default None
         Table with the names of labels, a line each: 3,liver
-    affine : str, default None
+    affine : path, default None
         Voxel-to-world map in place of the file's: a text or .npy file of 4 x 4 numbers
     threads : int, default None
         Threads to use; the result is the same for any number [default: all cores]
@@ -241,7 +241,7 @@ def detect(
     memory_limit : int, default None
         Refuse to start when the spectrum needs more memory, in MB [default: 80 % of what is free on Linux; no
         limit elsewhere]
-    cache : str, default None
+    cache : path, default None
         Keep spectra in this folder and take them from there; results are the same with and without
     stability_rule : {'windowed', 'paper', 'baseline'}, default 'windowed'
         How stable regions are chosen
@@ -290,46 +290,46 @@ def detect_volume(
     affine: Any = None,
     labels: Mapping[int, str] | str | os.PathLike[str] | None = None,
     progress: Progress = None,
-    label: Optional[str] = None,
-    threshold: Optional[float] = None,
-    threads: Optional[int] = None,
-    weight: Union[Literal['heat', 'commute', 'edge', 'diffusion', 'curvature', 'field'], Any] = 'heat',
-    smooth_weight: Optional[float] = None,
-    time_scale: Union[float, tuple[float, ...], list[float]] = (0.25, 0.5, 1.0, 2.0),
-    absolute_time: Union[float, tuple[float, ...], list[float], None] = None,
-    reference_measure: Optional[float] = None,
+    label: int | str | None = None,
+    threshold: float | None = None,
+    threads: int | None = None,
+    weight: Any = 'heat',
+    smooth_weight: float | None = None,
+    time_scale: float | Sequence[float] = (0.25, 0.5, 1.0, 2.0),
+    absolute_time: float | Sequence[float] | None = None,
+    reference_measure: float | None = None,
     bodies: Literal['largest', 'all', 'join'] = 'largest',
-    polarity: Optional[Literal['sublevel', 'superlevel']] = None,
-    voxels: Optional[int] = None,
-    resolution: Optional[int] = None,
-    pitch: Optional[float] = None,
-    spacing: Union[float, tuple[float, ...], list[float], None] = None,
-    origin: Union[float, tuple[float, ...], list[float], None] = None,
-    connectivity: Literal['6', '26'] = '6',
+    polarity: Literal['sublevel', 'superlevel'] | None = None,
+    voxels: int | None = None,
+    resolution: int | None = None,
+    pitch: float | None = None,
+    spacing: float | Sequence[float] | None = None,
+    origin: float | Sequence[float] | None = None,
+    connectivity: Literal['6', '26', 6, 26] = '6',
     inside: Literal['auto', 'parity', 'vote', 'winding'] = 'auto',
     overlap: Literal['auto', 'part', 'join'] = 'auto',
     no_cut_links: bool = False,
-    morphology: Optional[Literal['open', 'close']] = None,
+    morphology: Literal['open', 'close'] | None = None,
     max_box_voxels: int = 4294967296,
-    eigenpairs: Optional[int] = None,
-    lambda_max: Optional[float] = None,
+    eigenpairs: int | None = None,
+    lambda_max: float | None = None,
     tolerance: float = 1e-09,
     solver: Literal['auto', 'shift-invert', 'filter'] = 'auto',
-    memory_limit: Optional[int] = None,
-    cache: Optional[str] = None,
+    memory_limit: int | None = None,
+    cache: str | os.PathLike[str] | None = None,
     stability_rule: Literal['windowed', 'paper', 'baseline'] = 'windowed',
     window: float = 0.25,
-    min_lifetime: Optional[float] = None,
-    altitude: Optional[Literal['log', 'linear']] = None,
+    min_lifetime: float | None = None,
+    altitude: Literal['log', 'linear'] | None = None,
     min_volume: float = 0.01,
     max_volume: float = 0.75,
     min_diversity: float = 0.2,
-    min_stability: Optional[float] = None,
+    min_stability: float | None = None,
     duplicate_overlap: float = 0.9,
-    reliability: Optional[int] = None,
-    min_reliability: Optional[float] = None,
+    reliability: int | None = None,
+    min_reliability: float | None = None,
     descriptor: Literal['sided-si-hks', 'sized-si-hks', 'si-hks', 'hks'] = 'sided-si-hks',
-    parts: str = 'auto',
+    parts: int | str = 'auto',
 ) -> Result:
     """Finds and describes the stable regions of a body that is given as voxels.
 
@@ -445,7 +445,7 @@ def detect_volume(
     memory_limit : int, default None
         Refuse to start when the spectrum needs more memory, in MB [default: 80 % of what is free on Linux; no
         limit elsewhere]
-    cache : str, default None
+    cache : path, default None
         Keep spectra in this folder and take them from there; results are the same with and without
     stability_rule : {'windowed', 'paper', 'baseline'}, default 'windowed'
         How stable regions are chosen
@@ -492,13 +492,13 @@ def match(
     second: ResultOrFolder,
     *,
     rule: Literal['nearest', 'mutual', 'one-to-one'] = 'nearest',
-    max_ratio: Optional[float] = None,
-    max_distance: Optional[float] = None,
+    max_ratio: float | None = None,
+    max_distance: float | None = None,
     ambiguity: float = 0.8,
     consistency: float = 30.0,
     allow_mirror: bool = False,
     same_vertices: bool = False,
-    symmetry: Optional[str] = None,
+    symmetry: str | os.PathLike[str] | None = None,
     min_overlap: float = 0.8,
 ) -> Matching:
     """Finds out which regions of two shapes are the same: a partner on the first for each region of the second.
@@ -533,7 +533,7 @@ def match(
         Let the whole second shape be matched as a mirror image, left to right, where that fits better
     same_vertices : bool, default False
         Vertex i of one mesh is vertex i of the other: say which matches are right
-    symmetry : str, default None
+    symmetry : path, default None
         Left-right symmetry of the first mesh: entry i is the vertex that mirrors vertex i (.txt, .mat). Matches
         with the mirror image are then told apart from wrong ones
     min_overlap : float, default 0.8
@@ -547,15 +547,15 @@ def msv(
     affine: Any = None,
     volume_number: int | None = None,
     save: str | os.PathLike[str] | None = None,
-    regions: Union[Literal['dark', 'bright', 'alike'], tuple[Literal['dark', 'bright', 'alike'], ...], list[Literal['dark', 'bright', 'alike']], None] = None,
-    delta: Optional[float] = None,
+    regions: Literal['dark', 'bright', 'alike'] | Sequence[Literal['dark', 'bright', 'alike']] | None = None,
+    delta: float | None = None,
     min_area: float = 0.0,
     max_area: float = 0.75,
     max_variation: float = 0.25,
     min_diversity: float = 0.2,
-    connectivity: Literal['6', '26'] = '26',
-    spacing: Union[float, tuple[float, ...], list[float], None] = None,
-    origin: Union[float, tuple[float, ...], list[float], None] = None,
+    connectivity: Literal['6', '26', 6, 26] = '26',
+    spacing: float | Sequence[float] | None = None,
+    origin: float | Sequence[float] | None = None,
 ) -> MsvResult:
     """Finds the maximally stable regions of a grey-value volume or an image (MSER).
 
@@ -609,50 +609,50 @@ def parts(
     *,
     n: int | str = 'auto',
     progress: Progress = None,
-    animation: Optional[str] = None,
+    animation: str | None = None,
     time: float = 0.0,
-    volume: Optional[int] = None,
-    label: Optional[str] = None,
-    threshold: Optional[float] = None,
-    labels: Optional[str] = None,
-    affine: Optional[str] = None,
-    threads: Optional[int] = None,
+    volume: int | None = None,
+    label: int | str | None = None,
+    threshold: float | None = None,
+    labels: Mapping[int, str] | str | os.PathLike[str] | None = None,
+    affine: Any = None,
+    threads: int | None = None,
     surface: bool = False,
-    weight: Union[Literal['heat', 'commute', 'edge', 'diffusion', 'curvature', 'field'], Any] = 'heat',
-    smooth_weight: Optional[float] = None,
-    time_scale: Union[float, tuple[float, ...], list[float]] = (0.25, 0.5, 1.0, 2.0),
-    absolute_time: Union[float, tuple[float, ...], list[float], None] = None,
-    reference_measure: Optional[float] = None,
+    weight: Any = 'heat',
+    smooth_weight: float | None = None,
+    time_scale: float | Sequence[float] = (0.25, 0.5, 1.0, 2.0),
+    absolute_time: float | Sequence[float] | None = None,
+    reference_measure: float | None = None,
     bodies: Literal['largest', 'all', 'join'] = 'largest',
-    polarity: Optional[Literal['sublevel', 'superlevel']] = None,
-    voxels: Optional[int] = None,
-    resolution: Optional[int] = None,
-    pitch: Optional[float] = None,
-    spacing: Union[float, tuple[float, ...], list[float], None] = None,
-    origin: Union[float, tuple[float, ...], list[float], None] = None,
-    connectivity: Literal['6', '26'] = '6',
+    polarity: Literal['sublevel', 'superlevel'] | None = None,
+    voxels: int | None = None,
+    resolution: int | None = None,
+    pitch: float | None = None,
+    spacing: float | Sequence[float] | None = None,
+    origin: float | Sequence[float] | None = None,
+    connectivity: Literal['6', '26', 6, 26] = '6',
     inside: Literal['auto', 'parity', 'vote', 'winding'] = 'auto',
     overlap: Literal['auto', 'part', 'join'] = 'auto',
     no_cut_links: bool = False,
-    morphology: Optional[Literal['open', 'close']] = None,
+    morphology: Literal['open', 'close'] | None = None,
     max_box_voxels: int = 4294967296,
-    eigenpairs: Optional[int] = None,
-    lambda_max: Optional[float] = None,
+    eigenpairs: int | None = None,
+    lambda_max: float | None = None,
     tolerance: float = 1e-09,
     solver: Literal['auto', 'shift-invert', 'filter'] = 'auto',
-    memory_limit: Optional[int] = None,
-    cache: Optional[str] = None,
+    memory_limit: int | None = None,
+    cache: str | os.PathLike[str] | None = None,
     stability_rule: Literal['windowed', 'paper', 'baseline'] = 'windowed',
     window: float = 0.25,
-    min_lifetime: Optional[float] = None,
-    altitude: Optional[Literal['log', 'linear']] = None,
+    min_lifetime: float | None = None,
+    altitude: Literal['log', 'linear'] | None = None,
     min_volume: float = 0.01,
     max_volume: float = 0.75,
     min_diversity: float = 0.2,
-    min_stability: Optional[float] = None,
+    min_stability: float | None = None,
     duplicate_overlap: float = 0.9,
-    reliability: Optional[int] = 0,
-    min_reliability: Optional[float] = None,
+    reliability: int | None = 0,
+    min_reliability: float | None = None,
     descriptor: Literal['sided-si-hks', 'sized-si-hks', 'si-hks', 'hks'] = 'sided-si-hks',
 ) -> Result:
     """Divides a shape into parts: limbs and trunk, each vertex and voxel in exactly one.
@@ -683,9 +683,9 @@ def parts(
         The body is this label, by number or name; all: each label is a shape of its own
     threshold : float, default None
         The body is the voxels of at least this value
-    labels : str, default None
+    labels : path, default None
         Table with the names of labels, a line each: 3,liver
-    affine : str, default None
+    affine : path, default None
         Voxel-to-world map in place of the file's: a text or .npy file of 4 x 4 numbers
     threads : int, default None
         Threads to use; the result is the same for any number [default: all cores]
@@ -768,7 +768,7 @@ def parts(
     memory_limit : int, default None
         Refuse to start when the spectrum needs more memory, in MB [default: 80 % of what is free on Linux; no
         limit elsewhere]
-    cache : str, default None
+    cache : path, default None
         Keep spectra in this folder and take them from there; results are the same with and without
     stability_rule : {'windowed', 'paper', 'baseline'}, default 'windowed'
         How stable regions are chosen
@@ -812,7 +812,7 @@ def query(
     shape: ResultOrFolder,
     *,
     k: int = 5,
-    region: Optional[int] = None,
+    region: int | None = None,
     include_itself: bool = False,
 ) -> dict[int, Records]:
     """Finds the regions of a collection that are most like those of a shape.
@@ -846,56 +846,56 @@ def track(
     *,
     write: Sequence[str] = (),
     progress: Progress = None,
-    workers: Optional[int] = None,
-    threads: Optional[int] = None,
-    animation: Optional[str] = None,
-    every: Optional[float] = None,
+    workers: int | None = None,
+    threads: int | None = None,
+    animation: str | None = None,
+    every: float | None = None,
     min_overlap: float = 0.5,
     min_likeness: float = 0.2,
     max_gap: int = 3,
-    volume: Optional[int] = None,
-    label: Optional[str] = None,
-    threshold: Optional[float] = None,
-    labels: Optional[str] = None,
-    affine: Optional[str] = None,
+    volume: int | None = None,
+    label: int | str | None = None,
+    threshold: float | None = None,
+    labels: Mapping[int, str] | str | os.PathLike[str] | None = None,
+    affine: Any = None,
     surface: bool = False,
-    weight: Union[Literal['heat', 'commute', 'edge', 'diffusion', 'curvature', 'field'], Any] = 'heat',
-    smooth_weight: Optional[float] = None,
-    time_scale: Union[float, tuple[float, ...], list[float]] = (0.25, 0.5, 1.0, 2.0),
-    absolute_time: Union[float, tuple[float, ...], list[float], None] = None,
-    reference_measure: Optional[float] = None,
+    weight: Any = 'heat',
+    smooth_weight: float | None = None,
+    time_scale: float | Sequence[float] = (0.25, 0.5, 1.0, 2.0),
+    absolute_time: float | Sequence[float] | None = None,
+    reference_measure: float | None = None,
     bodies: Literal['largest', 'all', 'join'] = 'largest',
-    polarity: Optional[Literal['sublevel', 'superlevel']] = None,
-    voxels: Optional[int] = None,
-    resolution: Optional[int] = None,
-    pitch: Optional[float] = None,
-    spacing: Union[float, tuple[float, ...], list[float], None] = None,
-    origin: Union[float, tuple[float, ...], list[float], None] = None,
-    connectivity: Literal['6', '26'] = '6',
+    polarity: Literal['sublevel', 'superlevel'] | None = None,
+    voxels: int | None = None,
+    resolution: int | None = None,
+    pitch: float | None = None,
+    spacing: float | Sequence[float] | None = None,
+    origin: float | Sequence[float] | None = None,
+    connectivity: Literal['6', '26', 6, 26] = '6',
     inside: Literal['auto', 'parity', 'vote', 'winding'] = 'auto',
     overlap: Literal['auto', 'part', 'join'] = 'auto',
     no_cut_links: bool = False,
-    morphology: Optional[Literal['open', 'close']] = None,
+    morphology: Literal['open', 'close'] | None = None,
     max_box_voxels: int = 4294967296,
-    eigenpairs: Optional[int] = None,
-    lambda_max: Optional[float] = None,
+    eigenpairs: int | None = None,
+    lambda_max: float | None = None,
     tolerance: float = 1e-09,
     solver: Literal['auto', 'shift-invert', 'filter'] = 'auto',
-    memory_limit: Optional[int] = None,
-    cache: Optional[str] = None,
+    memory_limit: int | None = None,
+    cache: str | os.PathLike[str] | None = None,
     stability_rule: Literal['windowed', 'paper', 'baseline'] = 'windowed',
     window: float = 0.25,
-    min_lifetime: Optional[float] = None,
-    altitude: Optional[Literal['log', 'linear']] = None,
+    min_lifetime: float | None = None,
+    altitude: Literal['log', 'linear'] | None = None,
     min_volume: float = 0.01,
     max_volume: float = 0.75,
     min_diversity: float = 0.2,
-    min_stability: Optional[float] = None,
+    min_stability: float | None = None,
     duplicate_overlap: float = 0.9,
-    reliability: Optional[int] = None,
-    min_reliability: Optional[float] = None,
+    reliability: int | None = None,
+    min_reliability: float | None = None,
     descriptor: Literal['sided-si-hks', 'sized-si-hks', 'si-hks', 'hks'] = 'sided-si-hks',
-    parts: str = 'auto',
+    parts: int | str = 'auto',
 ) -> Tracks:
     """Follows the regions of a body through a sequence.
 
@@ -941,9 +941,9 @@ def track(
         The body is this label, by number or name; all: each label is a shape of its own
     threshold : float, default None
         The body is the voxels of at least this value
-    labels : str, default None
+    labels : path, default None
         Table with the names of labels, a line each: 3,liver
-    affine : str, default None
+    affine : path, default None
         Voxel-to-world map in place of the file's: a text or .npy file of 4 x 4 numbers
     surface : bool, default False
         Search the surface instead of the volume inside
@@ -1024,7 +1024,7 @@ def track(
     memory_limit : int, default None
         Refuse to start when the spectrum needs more memory, in MB [default: 80 % of what is free on Linux; no
         limit elsewhere]
-    cache : str, default None
+    cache : path, default None
         Keep spectra in this folder and take them from there; results are the same with and without
     stability_rule : {'windowed', 'paper', 'baseline'}, default 'windowed'
         How stable regions are chosen
@@ -1071,18 +1071,18 @@ def voxelize(
     faces: Any = None,
     *,
     threads: int | None = None,
-    animation: Optional[str] = None,
+    animation: str | None = None,
     time: float = 0.0,
-    voxels: Optional[int] = None,
-    resolution: Optional[int] = None,
-    pitch: Optional[float] = None,
-    spacing: Union[float, tuple[float, ...], list[float], None] = None,
-    origin: Union[float, tuple[float, ...], list[float], None] = None,
-    connectivity: Literal['6', '26'] = '6',
+    voxels: int | None = None,
+    resolution: int | None = None,
+    pitch: float | None = None,
+    spacing: float | Sequence[float] | None = None,
+    origin: float | Sequence[float] | None = None,
+    connectivity: Literal['6', '26', 6, 26] = '6',
     inside: Literal['auto', 'parity', 'vote', 'winding'] = 'auto',
     overlap: Literal['auto', 'part', 'join'] = 'auto',
     no_cut_links: bool = False,
-    morphology: Optional[Literal['open', 'close']] = None,
+    morphology: Literal['open', 'close'] | None = None,
     max_box_voxels: int = 4294967296,
 ) -> Voxels:
     """Makes the solid inside a mesh: all voxels whose centres are inside, linked where no surface runs between them.

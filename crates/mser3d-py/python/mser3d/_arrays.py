@@ -14,7 +14,9 @@ def array(name: str, value: Any) -> np.ndarray:
     except Exception as error:  # What objects raise when they are asked for their numbers is theirs.
         raise ValueError(f"{name}: cannot be made an array of numbers: {error}") from error
     if found.dtype == object or found.dtype.kind not in "biuf":
-        what = "lists of different lengths" if found.dtype == object else f"type {found.dtype}"
+        what = f"type {found.dtype}"
+        if found.dtype == object:
+            what = "objects; are its lists of one length, and its numbers within 64 bits?"
         raise ValueError(f"{name}: must be an array of real numbers, not of {what}")
     return found
 

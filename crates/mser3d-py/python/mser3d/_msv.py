@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import os
 from typing import Any
@@ -17,24 +18,27 @@ from ._warnings import warn_all
 class MsvResult:
     """The maximally stable regions of a volume: a search for each kind (dark, bright, alike)."""
 
-    def __init__(self, record: dict[str, Any], labels: np.ndarray) -> None:
-        #: What ``msv.json`` says.
-        self.record = record
-        self._labels = labels
+    def __init__(self, native: _native.Msv) -> None:
+        self._native = native
 
     def __repr__(self) -> str:
         counts = ", ".join(f"{len(regions)} {kind}" for kind, regions in self.regions.items())
         return f"<mser3d.MsvResult: {counts}>"
 
-    @property
+    @functools.cached_property
+    def record(self) -> dict[str, Any]:
+        """What ``msv.json`` says, as a dict."""
+        return json.loads(self._native.json())
+
+    @functools.cached_property
     def regions(self) -> dict[str, Records]:
         """The regions of each kind, largest first."""
         return {s["contrast"]: Records(Record(r) for r in s["regions"]) for s in self.record["searches"]}
 
-    @property
+    @functools.cached_property
     def labels(self) -> dict[str, np.ndarray]:
         """The smallest region of each voxel, indexed [x, y, z], for each kind: int32, -1 for none."""
-        return {s["contrast"]: self._labels[i] for i, s in enumerate(self.record["searches"])}
+        return {s["contrast"]: self._native.labels(i) for i, s in enumerate(self.record["searches"])}
 
 
 @with_options("msv")
@@ -69,6 +73,6 @@ def msv(
             raise ValueError("affine: with a file, give a file too")
     else:
         given = (*_arrays.volume("volume", volume), matrix)
-    json_text, labels, notes = _native.msv(path, given, options, save)
-    warn_all(notes, path)
-    return MsvResult(json.loads(json_text), labels)
+    native = _native.msv(path, given, options, save)
+    warn_all(native.notes, path)
+    return MsvResult(native)

@@ -15,14 +15,14 @@ from ._voxels import Voxels, solid
 class Laplacian(tuple):
     """The pair (L, M) of sparse matrices: L phi = lambda M phi. `eigs` solves one of a grid without using the matrix."""
 
-    _native: _native.Operator
+    _operator: _native.Operator
 
     def __new__(cls, native: _native.Operator) -> Laplacian:
         sparse = _scipy_sparse("a Laplacian is")
         data, indices, indptr, mass = native.arrays()
         n = len(mass)
         pair = super().__new__(cls, (sparse.csc_matrix((data, indices, indptr), shape=(n, n)), sparse.diags(mass, format="csc")))
-        pair._native = native
+        pair._operator = native
         return pair
 
     @property
@@ -119,7 +119,7 @@ def eigs(
     MemoryError
         For more memory than the limit.
     """
-    native = operator._native if isinstance(operator, Laplacian) and mass is None else _operator(operator, mass)
+    native = operator._operator if isinstance(operator, Laplacian) and mass is None else _operator(operator, mass)
     if isinstance(k, bool) or not isinstance(k, (int, np.integer)) or k < 1:
         raise ValueError(f"k: must be a whole number of at least 1, not {k!r}")
     limit = None if memory_limit is None else int(memory_limit * 1e6)

@@ -10,7 +10,7 @@ import functools
 import inspect
 import textwrap
 from collections.abc import Callable
-from typing import Any, Literal, TypeVar, Union
+from typing import Any, TypeVar
 
 from . import _native
 
@@ -57,18 +57,25 @@ def default(option: dict[str, Any]) -> Any:
     return tuple(values) if option["many"] else values[0]
 
 
-def annotation(option: dict[str, Any]) -> Any:
+def annotation(option: dict[str, Any]) -> str:
     """The type of an option."""
     if option["kind"] == "flag":
-        return bool
-    base: Any = {"int": int, "float": float, "text": str}[option["kind"]]
-    if option["choices"]:
-        base = Literal[tuple(name for name, _ in option["choices"])]
-    if option["name"] == "weight":
-        base = Union[base, Any]
+        return "bool"
+    base = {"int": "int", "float": "float", "text": "str", "path": "str | os.PathLike[str]"}[option["kind"]]
+    names = [name for name, _ in option["choices"]]
+    if names:
+        numbers = [int(name) for name in names if name.isdigit()]
+        base = f"Literal[{', '.join(map(repr, [*names, *numbers]))}]"
+    if option["name"] in ("weight", "affine"):
+        # An array serves too.
+        base = "Any"
+    if option["name"] in ("label", "parts"):
+        base = "int | str"
+    if option["name"] == "labels":
+        base = "Mapping[int, str] | str | os.PathLike[str]"
     if option["many"]:
-        base = Union[base, tuple[base, ...], list[base]]
-    return base if option["default"] else Union[base, None]
+        base = f"{base} | Sequence[{base}]"
+    return base if option["default"] or base == "Any" else f"{base} | None"
 
 
 def _value(kind: str, text: str) -> Any:
@@ -81,7 +88,7 @@ def _text(options: list[dict[str, Any]]) -> str:
     """The options for a docstring, in NumPy's style."""
     lines = ["Other Parameters", "----------------"]
     for option in options:
-        kind = {"flag": "bool", "text": "str"}.get(option["kind"], option["kind"])
+        kind = {"flag": "bool", "text": "str", "path": "path"}.get(option["kind"], option["kind"])
         if option["choices"]:
             kind = "{" + ", ".join(repr(name) for name, _ in option["choices"]) + "}"
         if option["many"]:

@@ -186,6 +186,14 @@ class Result:
         """Of a volume, the voxel of each row of `evecs`; of a surface, the row of each vertex, -1 for none."""
         return self._native.element_rows(0)
 
+    def eigenpairs(self, body: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Eigenvalues, eigenfunctions, mass and elements of a body: `evals`, `evecs`, `mass` and `evec_elements` of any body.
+
+        With ``bodies="all"`` there is one for each of ``record["bodies"]``.
+        """
+        native = self._native
+        return native.evals(body), native.evecs(body), native.mass(body), native.element_rows(body)
+
     @property
     def trees(self) -> list[dict[str, np.ndarray]]:
         """The component trees: ``parents`` (-1 for a root), ``altitudes``, ``volumes``, and ``entry``, the node of each element."""
@@ -217,9 +225,6 @@ class Result:
         with open(path, "wb") as file:
             file.write(self._native.render(options, True))
         return None
-
-    def _repr_png_(self) -> bytes:
-        return self._native.render({"height": 300}, True)
 
     def _repr_html_(self) -> str | None:
         page = self.page()

@@ -33,8 +33,8 @@ def heat_kernel(evals: Any, evecs: Any, t: Any, *, pairs: Any = None) -> np.ndar
     if times.ndim > 1 or times.size == 0 or not (np.isfinite(times).all() and (times > 0).all()):
         raise ValueError("t: must be a positive time, or a list of them")
     chosen = None if pairs is None else _arrays.indices("pairs", pairs, (None, 2))
-    columns = [_native.heat_kernel(values, functions, float(time), chosen) for time in np.atleast_1d(times)]
-    return columns[0] if times.ndim == 0 else np.stack(columns, axis=1)
+    found = _native.heat_kernel(values, functions, np.atleast_1d(times).tolist(), chosen)
+    return found if times.ndim == 0 else np.ascontiguousarray(found.reshape(len(times), -1).T)
 
 
 def si_vhks(

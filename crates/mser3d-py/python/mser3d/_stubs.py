@@ -50,19 +50,11 @@ def _function(name: str, function: Any) -> str:
             keyword_only = True
             lines.append("    *,")
         default = "" if parameter.default is inspect.Parameter.empty else f" = {parameter.default!r}"
-        lines.append(f"    {parameter.name}: {_type(parameter.annotation)}{default},")
+        lines.append(f"    {parameter.name}: {parameter.annotation}{default},")
     text = inspect.getdoc(function) or ""
     body = "\n".join(f"    {line}".rstrip() for line in text.splitlines())
-    lines.append(f') -> {_type(signature.return_annotation)}:\n    """{body.strip()}\n    """\n    ...\n')
+    lines.append(f') -> {signature.return_annotation}:\n    """{body.strip()}\n    """\n    ...\n')
     return "\n".join(lines)
-
-
-def _type(annotation: Any) -> str:
-    if isinstance(annotation, str):
-        return annotation
-    if annotation in (bool, int, float, str):
-        return annotation.__name__
-    return str(annotation).replace("typing.", "").replace("NoneType", "None")
 
 
 if __name__ == "__main__":

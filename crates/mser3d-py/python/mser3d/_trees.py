@@ -90,7 +90,7 @@ def component_tree(
     ComponentTree
         With the arrays ``parents``, ``altitudes``, ``volumes`` and ``node_of``.
     """
-    polarity, connectivity = str(polarity), str(connectivity)
+    way, neighbours = str(polarity), str(connectivity)
     if graph is None:
         if values is None:
             raise ValueError("values: missing; give an image or a volume, or a graph")
@@ -101,27 +101,27 @@ def component_tree(
         dims = [*reversed(found.shape), 1, 1][:3]
         volume, each = _volumes(volumes, found.shape)
         flat = np.ascontiguousarray(_arrays.plain(found)).ravel()
-        return ComponentTree(_native.grid_tree(dims, flat, polarity, connectivity, volume, each), found.shape)
+        return ComponentTree(_native.grid_tree(dims, flat, way, neighbours, volume, each), found.shape)
     if isinstance(graph, Voxels):
         weights = _arrays.numbers("values", values, (len(graph),))
         volume, each = _volumes(volumes, weights.shape)
-        native = _native.solid_tree(graph._native, weights, polarity, connectivity, volume, each)
+        native = _native.solid_tree(graph._native, weights, way, neighbours, volume, each)
         return ComponentTree(native, weights.shape)
     n, edges, of_edges = _edges(graph, None if values is None else len(_arrays.array("values", values)))
     if values is not None and edge_values is not None:
         raise ValueError("edge_values: given beside values; a tree has weights on vertices or on edges")
     if values is None:
-        weights = of_edges if edge_values is None else edge_values
-        if weights is None:
+        given = of_edges if edge_values is None else edge_values
+        if given is None:
             raise ValueError("values: missing; or give edge_values for the edges")
-        weights = _arrays.numbers("edge_values", weights, (len(edges),))
+        weights = _arrays.numbers("edge_values", given, (len(edges),))
         if n is None:
             n = int(edges.max()) + 1 if len(edges) else 0
     else:
         weights = _arrays.numbers("values", values, (n,))
         n = len(weights)
     volume, each = _volumes(volumes, (n,))
-    native = _native.graph_tree(n, edges, weights, values is None, polarity, volume, each)
+    native = _native.graph_tree(n, edges, weights, values is None, way, volume, each)
     return ComponentTree(native, (n,))
 
 

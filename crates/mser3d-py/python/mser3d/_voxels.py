@@ -32,7 +32,8 @@ class Voxels:
     @property
     def shape(self) -> tuple[int, int, int]:
         """Lengths of the grid along x, y and z."""
-        return tuple(self._native.dims)
+        nx, ny, nz = self._native.dims
+        return nx, ny, nz
 
     @functools.cached_property
     def affine(self) -> np.ndarray:
