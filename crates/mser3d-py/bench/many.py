@@ -1,7 +1,7 @@
 """How `mser3d.dask` scales: `python bench/many.py`, needs `mser3d[dask]`.
 
 1. Two workers beside one, each with one thread, in turns: the ratio of the times of the same shapes, which other work on the
-   machine spoils; and the ratio of the tasks under way on average, which it does not: how busy Dask keeps the workers.
+   machine spoils; and the ratios of the tasks under way on average and of the CPU seconds, which it spoils less: how busy Dask keeps the workers, and whether they are in each other's way.
 2. The memory of two workers over many shapes: it should be flat.
 3. A query among 100,000 regions.
 
@@ -46,21 +46,25 @@ def two_beside_one(folder, rounds):
         for client in (first, second):
             detect_many(shapes[:4], out=folder / f"warm{client.id}", client=client, **options)
         for number in range(rounds):
-            seconds, busy = [], []
+            seconds, busy, work = [], [], []
             for name, client in (("one", first), ("two", second)):
-                start = time.perf_counter()
+                start, before = time.perf_counter(), sum(client.run(time.process_time).values())
                 with distributed.get_task_stream(client) as stream:
                     detect_many(shapes, out=folder / f"{name}{number}", client=client, **options)
                 seconds.append(time.perf_counter() - start)
+                work.append(sum(client.run(time.process_time).values()) - before)
                 spans = [span for task in stream.data for span in task["startstops"] if span["action"] == "compute"]
                 busy.append(sum(span["stop"] - span["start"] for span in spans) / seconds[-1])
-            ratios.append((seconds[0] / seconds[1], busy[1] / busy[0]))
+            ratios.append((seconds[0] / seconds[1], busy[1] / busy[0], work[1] / work[0]))
             print(
                 f"  one worker {seconds[0]:6.2f} s, two {seconds[1]:6.2f} s: {ratios[-1][0]:.2f} times as fast; tasks under way "
-                f"{busy[0]:.2f} and {busy[1]:.2f}: {ratios[-1][1]:.2f} times as many ({load()})"
+                f"{busy[0]:.2f} and {busy[1]:.2f}: {ratios[-1][1]:.2f} times as many; CPU {work[0]:.2f} s and {work[1]:.2f} s ({load()})"
             )
-    fast, many = map(statistics.median, zip(*ratios))
-    print(f"two workers are {fast:.2f} times as fast as one, with {many:.2f} times as many tasks under way (median of {rounds})")
+    fast, many, work = map(statistics.median, zip(*ratios))
+    print(
+        f"two workers are {fast:.2f} times as fast as one, with {many:.2f} times as many tasks under way, which take {work:.2f} times "
+        f"as many CPU seconds (medians of {rounds}): {many / work:.2f} times as fast where each has a core of its own"
+    )
 
 
 def memory_over(folder, count):
