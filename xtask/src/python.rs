@@ -53,9 +53,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     println!("installed from the checkout in {:.0} s", start.elapsed().as_secs_f64());
 
     // Whatever of these can be had: tests that need one say that they are skipped.
-    for peer in
-        ["higra", "robust_laplacian", "trimesh", "rtree", "meshio", "scikit-learn", "tqdm", "hypothesis"]
-    {
+    let peers = "higra robust_laplacian trimesh rtree meshio scikit-learn tqdm hypothesis dask[dataframe] distributed \
+                 nbclient ipykernel lapy pyfmaps";
+    for peer in peers.split_whitespace() {
         let mut install = pip(&python, &["install", "--quiet", "--only-binary", ":all:", peer]);
         if output(&mut install, WHILE).is_err() {
             println!("without {peer}, which cannot be installed");

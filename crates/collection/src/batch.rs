@@ -1,12 +1,9 @@
-use std::any::Any;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use mser3d::{Detector, Domain, Progress};
-use mser3d_fileio::write_text;
-use mser3d_results::{Extra, Record, Results, ResultsError, ResultsFolder, ShapeFile};
+use mser3d::{Detector, Domain};
+use mser3d_results::Extra;
 use mser3d_shape::InvalidParameter;
 use serde::Serialize;
 
@@ -14,6 +11,7 @@ use crate::advance::Advance;
 use crate::budget::Budget;
 use crate::folder::CollectionFolder;
 use crate::recent_volumes::RecentVolumes;
+use crate::shape_run::{Outcome, ShapeRun};
 use crate::{CollectionError, Failure, Job, Plan, Shard, Tables, tables};
 
 /// How a batch runs.
@@ -33,17 +31,6 @@ impl Default for BatchParameters {
     fn default() -> Self {
         Self { workers: 1, memory: u64::MAX, extras: Vec::new(), shard: None }
     }
-}
-
-/// What became of a shape.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Outcome {
-    /// There was a result already, of the same input and parameters.
-    Kept,
-    /// It was computed.
-    Done,
-    /// There is no result, for this reason.
-    Failed(String),
 }
 
 /// How far a batch is: a shape that it is through with, or one that is under way.
@@ -116,7 +103,6 @@ pub fn run_batch(
             let number = next.fetch_add(1, Ordering::Relaxed);
             jobs.get(number).zip(outcomes.get(number)).map(|(job, slot)| (number, *job, slot))
         } {
-            let shape = || volumes.read(job);
             let own =
                 job.parameters.as_deref().map(|own| Detector { parameters: own.clone(), ..detector.clone() });
             // Locked while it is told, so that no thread overtakes another.
@@ -130,7 +116,8 @@ pub fn run_batch(
                 tell(&|advance| advance.is_at(number, seconds, done), None);
             };
             let detector = own.as_ref().unwrap_or(detector);
-            match one(&folder, job, &shape, domain, detector, parameters, &budget, &progress) {
+            let shape = ShapeRun { folder: &folder, job, domain, detector, extras: &parameters.extras };
+            match shape.run(&|| volumes.read(job), &budget, &progress) {
                 Ok(outcome) => {
                     tell(&|advance| advance.ends(number, outcome == Outcome::Kept), Some(&outcome));
                     *slot.lock().unwrap_or_else(PoisonError::into_inner) = Some(outcome);
@@ -165,88 +152,4 @@ pub fn run_batch(
         summary.tables = Some(tables::build(&folder, &plan.skipped)?);
     }
     Ok(summary)
-}
-
-/// Deals with one shape; `progress` hears how many seconds it is expected to take, and what share of it is done. Errors are those of the collection's folder and of a cancelled batch, not of the shape.
-#[expect(clippy::too_many_arguments, reason = "all of a batch, and a shape")]
-fn one(
-    folder: &CollectionFolder,
-    job: &Job,
-    read: &dyn Fn() -> Result<ShapeFile, ResultsError>,
-    domain: Domain,
-    detector: &Detector,
-    parameters: &BatchParameters,
-    budget: &Budget,
-    progress: &(dyn Fn(f64, f64) + Sync),
-) -> Result<Outcome, CollectionError> {
-    let _shape = tracing::info_span!("shape", name = job.name).entered();
-    let file = match guarded(|| Ok(read()?)) {
-        Ok(file) => file,
-        Err(why) => return failed(folder, job, why.to_string()),
-    };
-    let result = folder.result(&job.name);
-    let record = Record::load(&result);
-    let whole = parameters.extras.iter().all(|extra| result.join(extra.file_name()).is_file());
-    if whole && record.is_ok_and(|record| record.is_of(&file.identity(), domain, &detector.parameters)) {
-        return Ok(Outcome::Kept);
-    }
-    folder.remove_tables()?;
-    let partial = folder.begin(&job.name)?;
-    let done = guarded(|| {
-        let input = file.input(domain)?;
-        let estimate = detector.parameters.estimate(&input);
-        let share = budget.take(estimate.memory_bytes);
-        let told = |told: Progress| {
-            progress(estimate.seconds, told.overall);
-            (detector.progress)(told)
-        };
-        let features = detector.clone().with_progress(&told).detect(input)?;
-        let results = Results::of_file(&features, &file)?.with_extras(&features, &parameters.extras);
-        ResultsFolder::create(&partial)?.write(&results, &parameters.extras)?;
-        drop(share);
-        Ok(())
-    });
-    match done {
-        Ok(()) => {
-            folder.publish(&job.name, &partial)?;
-            Ok(Outcome::Done)
-        }
-        Err(Trouble::Detect(mser3d::Error::Cancelled)) => Err(CollectionError::Cancelled),
-        Err(why) => failed(folder, job, why.to_string()),
-    }
-}
-
-/// Why one shape has no result.
-#[derive(Debug, thiserror::Error)]
-enum Trouble {
-    #[error(transparent)]
-    Results(#[from] ResultsError),
-    #[error(transparent)]
-    Detect(#[from] mser3d::Error),
-    #[error("a bug in mser3d, please report it: {0}")]
-    Panic(String),
-}
-
-/// Does some work; a panic is an error, so that one shape cannot end a batch.
-fn guarded<T>(work: impl FnOnce() -> Result<T, Trouble>) -> Result<T, Trouble> {
-    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| Err(Trouble::Panic(said(&*panic))))
-}
-
-/// Records a failure in place of a result.
-fn failed(folder: &CollectionFolder, job: &Job, why: String) -> Result<Outcome, CollectionError> {
-    folder.remove_tables()?;
-    let partial = folder.begin(&job.name)?;
-    let path = partial.join("failure.json");
-    let json = serde_json::to_string_pretty(&Failure::new(job, why.clone()));
-    let json = json.map_err(|e| CollectionError::io(&path)(e.into()))?;
-    write_text(&path, &(json + "\n"))?;
-    folder.publish(&job.name, &partial)?;
-    Ok(Outcome::Failed(why))
-}
-
-/// What a panic said.
-fn said(panic: &(dyn Any + Send)) -> String {
-    let message = panic.downcast_ref::<&str>().copied();
-    let message = message.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
-    message.unwrap_or("panic").to_owned()
 }

@@ -1,5 +1,6 @@
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use crate::label_tables::{LABELS, REGIONS};
 use crate::{CollectionError, Shard};
@@ -10,13 +11,15 @@ use crate::{CollectionError, Shard};
 /// collection/
 ///   NAME/regions.json ...    a result, or
 ///   NAME/failure.json        why there is none
-///   .NAME.partial/           a result that is being written
+///   .NAME.partial/           a result that is being written (.NAME.WRITER.partial/ by one of several processes)
 ///   .NAME.old/               one that is being replaced
 ///   shapes.parquet, regions.parquet, failures.json: made of all results, when nothing is under way
 ///   labels.csv, regions.csv: of label maps, the same
 /// ```
 pub(crate) struct CollectionFolder {
     path: PathBuf,
+    /// In the names of results that are being written: none where no other process writes the same.
+    writer: Option<String>,
     /// Held as long as the batch runs; the system lets go of them when it is killed.
     _locks: Vec<File>,
 }
@@ -36,24 +39,20 @@ impl CollectionFolder {
     /// Makes the folder if it is not there, and keeps other batches out of it (other shards are welcome).
     pub fn open(path: &Path, shard: Option<Shard>) -> Result<Self, CollectionError> {
         fs::create_dir_all(path).map_err(CollectionError::io(path))?;
-        let busy = |part: String| CollectionError::Busy { folder: path.to_owned(), part };
-        let lock = |name: &str, shared: bool, part: &str| {
-            let file = path.join(name);
-            let locked = File::options().create(true).append(true).open(&file);
-            let locked = locked.map_err(CollectionError::io(&file))?;
-            let attempt = if shared { locked.try_lock_shared() } else { locked.try_lock() };
-            match attempt {
-                Err(TryLockError::WouldBlock) => Err(busy(part.to_owned())),
-                // Some network file systems have no locks; then the user has to take care.
-                _ => Ok(locked),
-            }
-        };
-        let mut locks = vec![lock(".lock", shard.is_some(), "")?];
+        let mut locks = vec![lock(path, ".lock", shard.is_some(), "")?];
         if let Some(shard) = shard {
             let name = format!(".lock-{}", shard.to_string().replace('/', "-of-"));
-            locks.push(lock(&name, false, &format!(", as shard {shard}"))?);
+            locks.push(lock(path, &name, false, &format!(", as shard {shard}"))?);
         }
-        Ok(Self { path: path.to_owned(), _locks: locks })
+        Ok(Self { path: path.to_owned(), writer: None, _locks: locks })
+    }
+
+    /// The folder of a batch that several processes write to, which do not know of each other.
+    pub fn join(path: &Path) -> Result<Self, CollectionError> {
+        let locks = vec![lock(path, ".lock", true, "")?];
+        let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let writer = Some(format!("{}-{}", std::process::id(), since.as_nanos()));
+        Ok(Self { path: path.to_owned(), writer, _locks: locks })
     }
 
     pub fn path(&self) -> &Path {
@@ -71,7 +70,10 @@ impl CollectionFolder {
 
     /// An empty hidden folder to write a result into.
     pub fn begin(&self, name: &str) -> Result<PathBuf, CollectionError> {
-        let partial = self.path.join(format!(".{name}.partial"));
+        let partial = match &self.writer {
+            None => self.path.join(format!(".{name}.partial")),
+            Some(writer) => self.path.join(format!(".{name}.{writer}.partial")),
+        };
         remove_folder(&partial)?;
         remove_folder(&self.path.join(format!(".{name}.old")))?;
         fs::create_dir(&partial).map_err(CollectionError::io(&partial))?;
@@ -111,6 +113,21 @@ impl CollectionFolder {
             }
         }
         Ok(())
+    }
+}
+
+/// Locks a file of the folder, which is made if it is not there.
+fn lock(folder: &Path, name: &str, shared: bool, part: &str) -> Result<File, CollectionError> {
+    let file = folder.join(name);
+    let locked = File::options().create(true).append(true).open(&file);
+    let locked = locked.map_err(CollectionError::io(&file))?;
+    let attempt = if shared { locked.try_lock_shared() } else { locked.try_lock() };
+    match attempt {
+        Err(TryLockError::WouldBlock) => {
+            Err(CollectionError::Busy { folder: folder.to_owned(), part: part.to_owned() })
+        }
+        // Some network file systems have no locks; then the user has to take care.
+        _ => Ok(locked),
     }
 }
 

@@ -5,6 +5,8 @@
 //! * [`plan`] lists the shapes that files, folders and patterns name; [`run_batch`] runs a detector over them, each
 //!   with a result in a folder of its own;
 //!   [`build_tables`] makes `regions.parquet` and `shapes.parquet` of them, and of label maps `labels.csv` and `regions.csv`.
+//! * [`ScheduledBatch`] and [`ScheduledShape`] are the same for a batch whose shapes another program hands out to processes
+//!   on many machines.
 //! * [`Index`] finds the regions of a collection that are nearest to those of a shape, and shows them.
 //! * [`SpectrumCache`] keeps spectra, so that none is computed twice.
 //!
@@ -89,10 +91,12 @@ mod parquet;
 mod query;
 mod query_page;
 mod recent_volumes;
+mod scheduled;
+mod shape_run;
 mod tables;
 mod track;
 
-pub use batch::{BatchParameters, BatchSummary, Event, Outcome, run_batch};
+pub use batch::{BatchParameters, BatchSummary, Event, run_batch};
 pub use cache::{CacheUse, SpectrumCache};
 pub use dense_map::map_vertices;
 pub use descriptor_settings::DescriptorSettings;
@@ -103,6 +107,8 @@ pub use job::{Frames, Job, LEAST_LABEL_VOXELS, Plan, PlanParameters, Shard, Skip
 pub use label_tables::write_label_map;
 pub use matching::{DescribedResult, MatchRecord, Matching, MatchingParameters, RegionMatch, match_results};
 pub use query::{Hit, Index, QueryRecord, RegionHits};
+pub use scheduled::{Need, ScheduledBatch, ScheduledShape};
+pub use shape_run::Outcome;
 pub use tables::{Tables, build_tables};
 pub use track::{
     Sampling, plan_sequence, share_parameters, track_glb, track_page, track_pictures, track_results,

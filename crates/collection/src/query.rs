@@ -135,6 +135,13 @@ impl Index {
         self.regions.len()
     }
 
+    /// The shapes that have regions which can be compared, by name.
+    pub fn shapes(&self) -> Vec<&str> {
+        let mut shapes: Vec<&str> = self.shapes.iter().map(String::as_str).collect();
+        shapes.dedup();
+        shapes
+    }
+
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.regions.is_empty()
@@ -253,6 +260,7 @@ mod tests {
             .map(|h| (h.distance, h.shape[5..].parse::<usize>().unwrap() * 20 + h.region as usize))
             .collect();
         assert_eq!(found, all[..7]);
+        assert_eq!((index.shapes().len(), index.shapes()[6]), (50, "shape00006"));
         // Without leaving its own shape out, a region is nearest to itself.
         assert_eq!(index.nearest_to(query, 1, None)[0].region, 3);
         assert_eq!(index.nearest_to(query, 5000, None).len(), 1000);

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use mser3d::{Detector, Parameters};
+use mser3d::{Detector, Parameters, ProgressFn};
 use mser3d_collection::{
-    BatchParameters, BatchSummary, Event, Frames, Plan, PlanParameters, Shard, Tables, build_tables, plan,
-    run_batch,
+    BatchParameters, BatchSummary, CollectionError, Event, Frames, Job, Plan, PlanParameters, ScheduledShape,
+    Shard, Tables, build_tables, plan, run_batch,
 };
 use mser3d_meshio::ReadOptions;
 use mser3d_results::{ShapeFile, ShapeOptions};
@@ -18,7 +18,8 @@ use crate::progress::BatchMeter;
 use crate::run_options::{ManyOptions, RunOptions};
 use crate::volume_options::VolumeOptions;
 
-#[derive(clap::Args)]
+/// What `mser3d batch` is told.
+#[derive(clap::Args, Clone, Debug)]
 pub struct BatchArgs {
     /// Shapes: files, folders, patterns ("scans/*.ply"), or lists (.txt, one path a line, relative to the
     /// list)
@@ -40,7 +41,7 @@ pub struct BatchArgs {
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
-    pub many: ManyOptions,
+    pub(crate) many: ManyOptions,
     /// Make a shape of every frame of this glTF animation, by name or number from 0
     #[arg(long, value_name = "NAME", requires = "fps", help_heading = "Input")]
     pub animation: Option<String>,
@@ -52,12 +53,85 @@ pub struct BatchArgs {
     #[arg(long, value_name = "FILE", conflicts_with = "reference_measure", help_heading = "Method")]
     pub reference: Option<PathBuf>,
     #[command(flatten)]
-    pub volume: VolumeOptions,
+    pub(crate) volume: VolumeOptions,
     #[command(flatten)]
-    pub options: RegionOptions,
+    pub(crate) options: RegionOptions,
 }
 
-pub fn run(args: &BatchArgs) -> Result<(), CliError> {
+impl BatchArgs {
+    /// The shapes, and the parameters that all of them have.
+    ///
+    /// # Errors
+    /// [`CliError::Usage`] for values out of range, [`CliError::Collection`] for inputs that name nothing, and those of
+    /// reading the shape of reference.
+    pub fn plan(&self) -> Result<(Plan, Parameters), CliError> {
+        self.options.refuse_field()?;
+        let mut parameters = self.options.parameters()?;
+        let frames = self.animation.clone().zip(self.fps);
+        let planned = PlanParameters {
+            frames: frames.map(|(animation, rate)| Frames { animation, rate }),
+            all_labels: self.volume.all_labels(),
+            recursive: self.recursive,
+            volumes: self.volumes()?,
+        };
+        let plan = plan(&self.inputs, &planned)?;
+        if let Some(reference) = &self.reference {
+            let file = match plan.jobs.first() {
+                Some(job) if reference == Path::new("first") => job.read()?,
+                _ => ShapeFile::read(reference, &ShapeOptions::default()).map_err(reading)?,
+            };
+            let scaled = parameters.with_scale_of(file.input(self.options.domain())?);
+            parameters = scaled.map_err(|e| CliError::detection(&file.path, e))?;
+        }
+        Ok((plan, parameters))
+    }
+
+    /// How volumes are read.
+    ///
+    /// # Errors
+    /// [`CliError::Usage`] for values out of range, [`CliError::Volume`] for files beside the volume's.
+    pub fn volumes(&self) -> Result<ShapeOptions, CliError> {
+        self.options.shape(&self.volume, ReadOptions::default())
+    }
+
+    /// Whether each label of a label map is a shape.
+    pub fn all_labels(&self) -> bool {
+        self.volume.all_labels()
+    }
+
+    /// The number of threads that is asked for.
+    ///
+    /// # Errors
+    /// [`CliError::Usage`] for one out of range.
+    pub fn threads(&self) -> Result<Option<usize>, CliError> {
+        self.many.run.threads()
+    }
+
+    /// Has work done on one shape of the batch, by a detector with these parameters that takes spectra from the cache, if there
+    /// is one. `warn` hears what is wrong with the cache.
+    ///
+    /// # Errors
+    /// Those of the work and of the cache.
+    pub fn on_shape<T>(
+        &self,
+        job: &Job,
+        parameters: Parameters,
+        progress: ProgressFn,
+        warn: &(dyn Fn(&str) + Sync),
+        work: impl FnOnce(&ScheduledShape) -> Result<T, CollectionError>,
+    ) -> Result<T, CliError> {
+        let cache = self.options.cache()?;
+        let spectra = cache.as_ref().map(|cache| cache.source(warn));
+        let mut detector = Detector::new(parameters).with_progress(progress);
+        if let Some(spectra) = &spectra {
+            detector.spectra = spectra;
+        }
+        let (domain, extras) = (self.options.domain(), &self.many.write);
+        Ok(work(&ScheduledShape { folder: &self.output, job, domain, detector: &detector, extras })?)
+    }
+}
+
+pub(crate) fn run(args: &BatchArgs) -> Result<(), CliError> {
     args.many.run.use_threads()?;
     if args.merge {
         let tables = build_tables(&args.output)?;
@@ -66,24 +140,7 @@ pub fn run(args: &BatchArgs) -> Result<(), CliError> {
     }
     let shard = args.shard.as_deref().map(str::parse::<Shard>).transpose();
     let shard = shard.map_err(|e| CliError::Usage(e.to_string()))?;
-    args.options.refuse_field()?;
-    let mut parameters = args.options.parameters()?;
-    let frames = args.animation.clone().zip(args.fps).map(|(animation, rate)| Frames { animation, rate });
-    let planned = PlanParameters {
-        frames,
-        all_labels: args.volume.all_labels(),
-        recursive: args.recursive,
-        volumes: args.options.shape(&args.volume, ReadOptions::default())?,
-    };
-    let plan = plan(&args.inputs, &planned)?;
-    if let Some(reference) = &args.reference {
-        let file = match plan.jobs.first() {
-            Some(job) if reference == Path::new("first") => job.read()?,
-            _ => ShapeFile::read(reference, &ShapeOptions::default()).map_err(reading)?,
-        };
-        let scaled = parameters.with_scale_of(file.input(args.options.domain())?);
-        parameters = scaled.map_err(|e| CliError::detection(&file.path, e))?;
-    }
+    let (plan, parameters) = args.plan()?;
     let batch = BatchParameters {
         workers: args.many.workers(),
         memory: parameters.spectrum.memory_limit.unwrap_or(u64::MAX),
@@ -95,7 +152,7 @@ pub fn run(args: &BatchArgs) -> Result<(), CliError> {
 }
 
 /// Runs a plan, and tells how far it is.
-pub fn run_plan(
+pub(crate) fn run_plan(
     run: &RunOptions,
     options: &RegionOptions,
     output: &Path,
@@ -112,10 +169,10 @@ pub fn run_plan(
 }
 
 /// Who hears how far a batch is, and what is wrong with its cache.
-pub type Listeners<'a> = (&'a (dyn Fn(Event) + Sync), &'a (dyn Fn(&str) + Sync));
+pub(crate) type Listeners<'a> = (&'a (dyn Fn(Event) + Sync), &'a (dyn Fn(&str) + Sync));
 
 /// Runs a plan with a detector that takes spectra from the cache, if there is one.
-pub fn run_detector(
+pub(crate) fn run_detector(
     options: &RegionOptions,
     output: &Path,
     plan: &Plan,
@@ -133,7 +190,7 @@ pub fn run_detector(
 }
 
 /// Says what became of all shapes.
-pub fn tell(
+pub(crate) fn tell(
     run: &RunOptions,
     json: bool,
     output: &Path,
@@ -170,7 +227,7 @@ pub fn tell(
 }
 
 /// An error where shapes have failed.
-pub fn tell_failures(summary: &BatchSummary) -> Result<(), CliError> {
+pub(crate) fn tell_failures(summary: &BatchSummary) -> Result<(), CliError> {
     let BatchSummary { computed, kept, failed, .. } = summary;
     if failed.is_empty() {
         return Ok(());

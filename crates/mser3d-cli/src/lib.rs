@@ -46,6 +46,7 @@ mod voxel_options;
 mod voxelize;
 mod weight_option;
 
+pub use batch::BatchArgs;
 pub use clap;
 pub use detect::DetectArgs;
 pub use error::CliError;

@@ -4,6 +4,7 @@
 //! on a thread of its own while the interpreter is free ([`run`](run::run)).
 
 mod arrays;
+mod batch;
 mod describe;
 mod detect;
 mod errors;
@@ -26,6 +27,8 @@ use pyo3::prelude::*;
 mod _native {
     use pyo3::prelude::*;
 
+    #[pymodule_export]
+    use crate::batch::{BatchPlan, compute_shape, examine_shape, fail_shape};
     #[pymodule_export]
     use crate::describe::{commands, options};
     #[pymodule_export]

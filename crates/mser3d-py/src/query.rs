@@ -32,6 +32,12 @@ impl Index {
         self.index.len()
     }
 
+    /// The shapes that can be found, by name.
+    #[getter]
+    fn shapes(&self) -> Vec<&str> {
+        self.index.shapes()
+    }
+
     /// What is nearest to each region of a shape, as JSON. `itself` is the shape's name in the collection.
     #[pyo3(signature = (shape, keywords, itself=None))]
     fn query(

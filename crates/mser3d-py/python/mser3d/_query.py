@@ -22,6 +22,11 @@ class Collection:
     def __len__(self) -> int:
         return len(self._native)
 
+    @property
+    def shapes(self) -> list[str]:
+        """The names of the shapes that have regions to be found."""
+        return self._native.shapes
+
     def __repr__(self) -> str:
         return f"<mser3d.Collection {self.folder}: {len(self)} regions>"
 
