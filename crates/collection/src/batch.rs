@@ -66,7 +66,7 @@ pub struct BatchSummary {
 ///
 /// Each result appears as a whole or not at all, so a batch that is killed can be run again: it keeps
 /// what is there, and ends with the same bytes as one that was never disturbed (times in `regions.json`
-/// aside). Results of another input, other parameters or another version are redone ([`Record::is_of`]).
+/// aside). Results of another input, other parameters or another version are redone ([`mser3d_results::Record::is_of`]).
 ///
 /// `heard` is called from the working threads, one call at a time: now and then, and after each shape.
 ///
