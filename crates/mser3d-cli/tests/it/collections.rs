@@ -226,7 +226,7 @@ fn regions_of_two_poses_match_up_to_symmetry() {
         result["result"]["matches"].as_array().unwrap().iter().any(|m| m["symmetric_partner"].is_number())
     );
     let page = fs::read_to_string(folder.path().join("matches/matches.html")).unwrap();
-    assert!(page.contains("<title>Parts of human_walk matched to human_rest</title>"));
+    assert!(page.contains("<title>Parts and regions of human_walk matched to human_rest</title>"));
     let csv = fs::read_to_string(folder.path().join("matches/matches.csv")).unwrap();
     assert_eq!(csv.lines().count(), matches.len() + 1);
     assert!(fs::read(folder.path().join("matches/matches.png")).unwrap().starts_with(b"\x89PNG"));
