@@ -33,7 +33,10 @@ impl<'a> Drawing<'a> {
             Some(grid) if !results.mesh_of_voxels => Some(results.divided(grid, LONGEST_EDGE)?),
             _ => None,
         };
-        let plain = fine.as_ref().map_or(Ok(plain.clone()), |fine| plain.divided(&fine.divided))?;
+        let plain = match &fine {
+            Some(fine) => plain.divided(&fine.divided)?,
+            None => plain,
+        };
         let edge = match &results.grid {
             Some(grid) => grid.frame().spacing().into_iter().fold(0.0, f64::max),
             // Of an equilateral triangle of the mean area.

@@ -42,7 +42,7 @@ impl Results {
         }
         let fine = self.divided(grid, 1.0)?;
         let labels = fine.labels(&self.vertex_region(), &self.voxel_region());
-        Ok((fine.divided.mesh().clone(), labels))
+        Ok((fine.divided.into_mesh(), labels))
     }
 
     /// The surface with edges no longer than so many voxels.

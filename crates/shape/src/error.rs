@@ -1,9 +1,13 @@
 use std::fmt;
 
+use crate::InvalidParameter;
+
 /// Why data cannot be a mesh, a grid, a graph or an eigenbasis.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ShapeError {
+    /// A parameter out of its range.
+    InvalidParameter(InvalidParameter),
     /// A triangle or an edge names a vertex that is not there.
     IndexOutOfRange {
         /// `"triangle"` or `"edge"`.
@@ -103,9 +107,16 @@ impl fmt::Display for ShapeError {
             Self::DiagonalsUnknown => f.write_str(
                 "the grid has no diagonal links; voxelize with 26-connectivity to use 26 neighbours",
             ),
+            Self::InvalidParameter(error) => error.fmt(f),
             Self::BadEigenbasis { reason } => write!(f, "not an eigenbasis: {reason}"),
         }
     }
 }
 
 impl std::error::Error for ShapeError {}
+
+impl From<InvalidParameter> for ShapeError {
+    fn from(error: InvalidParameter) -> Self {
+        Self::InvalidParameter(error)
+    }
+}

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use crate::vector::{norm, sub};
-use crate::{ShapeError, TriangleMesh};
+use crate::{InvalidParameter, ShapeError, TriangleMesh};
 
 /// A mesh whose edges were split in the middle until none was longer than asked: the same surface in smaller triangles. Both triangles of an
 /// edge are split together, so that no gap opens.
@@ -43,8 +43,10 @@ impl Subdivision {
     /// Splits edges until none is longer than `longest`, in the unit of the coordinates, or there are `most` triangles or more.
     ///
     /// # Errors
-    /// [`ShapeError`]: in theory, for coordinates whose mean is not finite.
+    /// [`ShapeError::InvalidParameter`] unless `longest` is more than 0; [`ShapeError::NotFinite`] for coordinates so large that the middle
+    /// of an edge is not finite.
     pub fn new(mesh: &TriangleMesh, longest: f64, most: usize) -> Result<Self, ShapeError> {
+        InvalidParameter::unless(longest > 0.0, "longest", longest, "more than 0")?;
         let mut vertices = mesh.vertices().to_vec();
         let mut places = vec![(0, [1.0, 0.0, 0.0]); vertices.len()];
         let whole = |(triangle, corners): (u32, &[u32; 3])| {
@@ -103,6 +105,11 @@ impl Subdivision {
     /// The divided mesh. The vertices of the one that it was made of come first.
     pub fn mesh(&self) -> &TriangleMesh {
         &self.mesh
+    }
+
+    /// The divided mesh alone.
+    pub fn into_mesh(self) -> TriangleMesh {
+        self.mesh
     }
 
     /// Where each vertex is on the mesh that it was made of: in which triangle, and how much its corners count (barycentric coordinates). Of
@@ -167,5 +174,13 @@ mod tests {
             }
         }
         assert!(Subdivision::new(&mesh, 0.01, 1000).unwrap().mesh().triangles().len() < 5000);
+    }
+
+    #[test]
+    fn no_length_at_all_is_refused() {
+        for longest in [0.0, -1.0, f64::NAN] {
+            let error = Subdivision::new(&brick(), longest, usize::MAX).unwrap_err();
+            assert_eq!(error.to_string(), format!("longest is {longest}: it must be more than 0"));
+        }
     }
 }

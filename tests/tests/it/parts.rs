@@ -1,6 +1,7 @@
 //! Parts of the figures: what a person would draw, in any pose.
 
 use mser3d::{Domain, Features, Input, Parameters, Part, PartCount, PartParameters, Partition, partition};
+use mser3d_meshio::{ReadOptions, read_mesh};
 use mser3d_tests::{coarse, features, fixture, mirror};
 
 fn parted(name: &str, domain: Domain, count: PartCount) -> (Features, Partition) {
@@ -119,4 +120,26 @@ fn there_are_never_more_parts_than_asked_for() {
         assert!(found.parts.iter().all(|part| part.volume_fraction > 0.005), "{count}");
     }
     assert!(last >= 11);
+}
+
+#[test]
+fn the_legs_of_a_running_fox_are_twins_by_their_sides() {
+    let Some(folder) = mser3d_tests::real_shapes() else { return };
+    let moment = ReadOptions { animation: Some("Run".into()), time: 0.35 };
+    let mesh = read_mesh(&folder.join("gltf/Fox.glb"), &moment).unwrap().mesh;
+    let features = features(Input::Volume(&mesh), &coarse(45_000, 100));
+    let found = partition(&features, Some(&mesh), &PartParameters::default()).unwrap();
+    let legs: Vec<&Part> = found.parts.iter().filter(|part| part.volume_fraction < 0.1).collect();
+    assert_eq!(legs.len(), 4);
+    // It looks along z; x is across.
+    let before = |part: &Part| part.centroid[2] > found.parts[0].centroid[2];
+    for leg in legs {
+        let [twin] = leg.twins[..] else { panic!("{:?} has no twin", leg.centroid) };
+        let twin = &found.parts[twin];
+        assert!(
+            leg.centroid[0] * twin.centroid[0] < 0.0 && before(leg) == before(twin),
+            "{:?}",
+            leg.centroid
+        );
+    }
 }
