@@ -54,7 +54,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
 
     // Whatever of these can be had: tests that need one say that they are skipped.
     let peers = "higra robust_laplacian trimesh rtree meshio scikit-learn tqdm hypothesis dask[dataframe] distributed \
-                 nbclient ipykernel lapy pyfmaps";
+                 nbclient ipykernel lapy pyfmaps polyscope";
     for peer in peers.split_whitespace() {
         let mut install = pip(&python, &["install", "--quiet", "--only-binary", ":all:", peer]);
         if output(&mut install, WHILE).is_err() {

@@ -5,6 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use mser3d::{Detector, Domain};
 use mser3d_results::Extra;
 use mser3d_shape::InvalidParameter;
+use rayon::ThreadPoolBuilder;
 use serde::Serialize;
 
 use crate::advance::Advance;
@@ -68,6 +69,9 @@ pub struct BatchSummary {
 /// what is there, and ends with the same bytes as one that was never disturbed (times in `regions.json`
 /// aside). Results of another input, other parameters or another version are redone ([`mser3d_results::Record::is_of`]).
 ///
+/// The workers share rayon's global threads; called from a thread of another pool, each has an equal share of as many
+/// threads as that pool has.
+///
 /// `heard` is called from the working threads, one call at a time: now and then, and after each shape.
 ///
 /// # Errors
@@ -98,7 +102,7 @@ pub fn run_batch(
     let advance = Mutex::new(Advance::new(jobs.len()));
     let fatal = Mutex::new(None);
     let outcomes: Vec<Mutex<Option<Outcome>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
-    let worker = || {
+    let work = || {
         while let Some((number, job, slot)) = {
             let number = next.fetch_add(1, Ordering::Relaxed);
             jobs.get(number).zip(outcomes.get(number)).map(|(job, slot)| (number, *job, slot))
@@ -130,8 +134,15 @@ pub fn run_batch(
             }
         }
     };
+    let workers = parameters.workers.min(jobs.len()).max(1);
+    // Not that pool itself: a worker waiting for its threads could be given another's shape meanwhile, whose memory it would then wait for.
+    let threads = rayon::current_thread_index().map(|_| (rayon::current_num_threads() / workers).max(1));
+    let worker = || match threads.map(|n| ThreadPoolBuilder::new().num_threads(n).build()) {
+        Some(Ok(pool)) => pool.install(work),
+        _ => work(),
+    };
     std::thread::scope(|scope| {
-        for _ in 1..parameters.workers.min(jobs.len()) {
+        for _ in 1..workers {
             scope.spawn(worker);
         }
         worker();

@@ -193,7 +193,7 @@ fn pairs(times: usize) -> Vec<[usize; 2]> {
 }
 
 fn check_size(basis: &Eigenbasis, expected: usize) -> Result<(), DescriptorError> {
-    spectral_sums::check(basis)?;
+    spectral_sums::check(basis.view())?;
     let found = basis.len();
     if found == expected {
         return Ok(());

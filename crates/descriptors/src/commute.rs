@@ -1,6 +1,6 @@
 //! Commute time (eq. 6) and other powers of the eigenvalues.
 use crate::{DescriptorError, spectral_sums};
-use mser3d_shape::{Domain, Eigenbasis};
+use mser3d_shape::{Domain, EigenbasisView};
 
 /// An eigenvalue counts as zero when it is at most this, in units of `1 / Eigenbasis::unit_time`.
 ///
@@ -10,7 +10,8 @@ use mser3d_shape::{Domain, Eigenbasis};
 pub const ZERO_EIGENVALUE: f64 = 1e-8;
 
 /// How many eigenvalues are zero: one for each component of the shape.
-pub fn zero_modes(basis: &Eigenbasis) -> usize {
+pub fn zero_modes<'a>(basis: impl Into<EigenbasisView<'a>>) -> usize {
+    let basis = basis.into();
     let bound = ZERO_EIGENVALUE / basis.unit_time();
     basis.eigenvalues().partition_point(|&l| l <= bound)
 }
@@ -23,7 +24,8 @@ pub fn zero_modes(basis: &Eigenbasis) -> usize {
 ///
 /// # Errors
 /// [`DescriptorError::EmptyBasis`], [`DescriptorError::OnlyZeroModes`].
-pub fn commute_time(basis: &Eigenbasis) -> Result<Vec<f64>, DescriptorError> {
+pub fn commute_time<'a>(basis: impl Into<EigenbasisView<'a>>) -> Result<Vec<f64>, DescriptorError> {
+    let basis = basis.into();
     power_diffusivity(
         basis,
         match basis.domain() {
@@ -41,7 +43,11 @@ pub fn commute_time(basis: &Eigenbasis) -> Result<Vec<f64>, DescriptorError> {
 /// # Errors
 /// [`DescriptorError::EmptyBasis`], [`DescriptorError::OnlyZeroModes`], [`DescriptorError::InvalidParameter`]
 /// when p is not finite.
-pub fn power_diffusivity(basis: &Eigenbasis, p: f64) -> Result<Vec<f64>, DescriptorError> {
+pub fn power_diffusivity<'a>(
+    basis: impl Into<EigenbasisView<'a>>,
+    p: f64,
+) -> Result<Vec<f64>, DescriptorError> {
+    let basis = basis.into();
     if !p.is_finite() {
         return Err(DescriptorError::parameter("the exponent of the eigenvalues", p, "finite"));
     }

@@ -1,7 +1,7 @@
 //! The heat kernel `H_t(u,v) = sum_i exp(-lambda_i t) phi_i(u) phi_i(v)` on vertices and edges (section 4.3).
 
 use crate::{DescriptorError, TimeScale, spectral_sums};
-use mser3d_shape::Eigenbasis;
+use mser3d_shape::EigenbasisView;
 use rayon::prelude::*;
 
 /// The auto-diffusivity H_t(v,v) of every vertex: how much heat is still at v a time t after a unit of heat
@@ -12,7 +12,11 @@ use rayon::prelude::*;
 ///
 /// # Errors
 /// [`DescriptorError::InvalidParameter`] unless t is positive and finite, [`DescriptorError::EmptyBasis`].
-pub fn auto_diffusivity(basis: &Eigenbasis, t: f64) -> Result<Vec<f64>, DescriptorError> {
+pub fn auto_diffusivity<'a>(
+    basis: impl Into<EigenbasisView<'a>>,
+    t: f64,
+) -> Result<Vec<f64>, DescriptorError> {
+    let basis = basis.into();
     let decay = decay(basis, t)?;
     Ok(spectral_sums::weighted_squares(basis, 0, &decay))
 }
@@ -25,7 +29,12 @@ pub fn auto_diffusivity(basis: &Eigenbasis, t: f64) -> Result<Vec<f64>, Descript
 /// # Errors
 /// [`DescriptorError::InvalidParameter`] unless t is positive and finite, [`DescriptorError::EmptyBasis`],
 /// [`DescriptorError::IndexOutOfRange`].
-pub fn heat_kernel(basis: &Eigenbasis, t: f64, edges: &[[u32; 2]]) -> Result<Vec<f64>, DescriptorError> {
+pub fn heat_kernel<'a>(
+    basis: impl Into<EigenbasisView<'a>>,
+    t: f64,
+    edges: &[[u32; 2]],
+) -> Result<Vec<f64>, DescriptorError> {
+    let basis = basis.into();
     let decay = decay(basis, t)?;
     over_edges(basis, edges, |u, v| spectral_sums::sum(&decay, |i| u[i] * v[i]))
 }
@@ -34,8 +43,8 @@ pub fn heat_kernel(basis: &Eigenbasis, t: f64, edges: &[[u32; 2]]) -> Result<Vec
 ///
 /// A truncated heat kernel that is not positive means "least connected", so its weight is `+inf`, which
 /// sorts last; a plain reciprocal would sort it first. Errors as for [`heat_kernel`].
-pub fn inverse_heat_kernel(
-    basis: &Eigenbasis,
+pub fn inverse_heat_kernel<'a>(
+    basis: impl Into<EigenbasisView<'a>>,
     t: f64,
     edges: &[[u32; 2]],
 ) -> Result<Vec<f64>, DescriptorError> {
@@ -51,11 +60,12 @@ pub fn inverse_heat_kernel(
 /// (Coifman & Lafon 2006), in length^(-3/2) in a volume, length^-1 on a surface.
 ///
 /// Errors as for [`heat_kernel`].
-pub fn diffusion_distance(
-    basis: &Eigenbasis,
+pub fn diffusion_distance<'a>(
+    basis: impl Into<EigenbasisView<'a>>,
     t: f64,
     edges: &[[u32; 2]],
 ) -> Result<Vec<f64>, DescriptorError> {
+    let basis = basis.into();
     let decay = decay(basis, 2.0 * t)?;
     over_edges(basis, edges, |u, v| spectral_sums::sum(&decay, |i| (u[i] - v[i]) * (u[i] - v[i])).sqrt())
 }
@@ -64,12 +74,12 @@ pub fn diffusion_distance(
 ///
 /// # Errors
 /// [`DescriptorError::InvalidParameter`] unless t is positive and finite, [`DescriptorError::EmptyBasis`].
-pub fn heat_trace(basis: &Eigenbasis, t: f64) -> Result<f64, DescriptorError> {
-    Ok(decay(basis, t)?.iter().sum())
+pub fn heat_trace<'a>(basis: impl Into<EigenbasisView<'a>>, t: f64) -> Result<f64, DescriptorError> {
+    Ok(decay(basis.into(), t)?.iter().sum())
 }
 
 /// `exp(-lambda_i t)` of the modes that count at time t, which are the first ones.
-pub(crate) fn decay(basis: &Eigenbasis, t: f64) -> Result<Vec<f64>, DescriptorError> {
+pub(crate) fn decay(basis: EigenbasisView<'_>, t: f64) -> Result<Vec<f64>, DescriptorError> {
     let t = TimeScale::Absolute(t).on(basis)?;
     spectral_sums::check(basis)?;
     let values = basis.eigenvalues();
@@ -77,7 +87,7 @@ pub(crate) fn decay(basis: &Eigenbasis, t: f64) -> Result<Vec<f64>, DescriptorEr
 }
 
 fn over_edges(
-    basis: &Eigenbasis,
+    basis: EigenbasisView<'_>,
     edges: &[[u32; 2]],
     value: impl Fn(&[f64], &[f64]) -> f64 + Sync,
 ) -> Result<Vec<f64>, DescriptorError> {

@@ -1,6 +1,6 @@
 //! The heat kernel signature (section 5; Sun et al. 2009, Raviv et al. 2010).
 use crate::{DescriptorError, Descriptors, TimeScale, spectral_sums, vertex_subset::VertexSubset};
-use mser3d_shape::Eigenbasis;
+use mser3d_shape::EigenbasisView;
 use rayon::prelude::*;
 
 /// Parameters of [`hks`].
@@ -40,11 +40,12 @@ impl HksParameters {
 ///
 /// # Errors
 /// [`DescriptorError::InvalidParameter`], [`DescriptorError::EmptyBasis`], [`DescriptorError::IndexOutOfRange`].
-pub fn hks(
-    basis: &Eigenbasis,
+pub fn hks<'a>(
+    basis: impl Into<EigenbasisView<'a>>,
     params: &HksParameters,
     vertices: Option<&[u32]>,
 ) -> Result<Descriptors, DescriptorError> {
+    let basis = basis.into();
     params.validate()?;
     spectral_sums::check(basis)?;
     let subset = VertexSubset::new(basis.len(), vertices)?;

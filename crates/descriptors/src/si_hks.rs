@@ -4,7 +4,7 @@ mod log_slope;
 
 use crate::{DescriptorError, Descriptors, spectral_sums, vertex_subset::VertexSubset};
 use log_slope::{BLOCK, SlopeTable};
-use mser3d_shape::{Domain, Eigenbasis};
+use mser3d_shape::{Domain, EigenbasisView};
 use rayon::prelude::*;
 use realfft::RealFftPlanner;
 
@@ -92,7 +92,8 @@ impl SiHksParameters {
 
     /// One unit of t on this shape, in length^2: `(V / reference_volume)^(2/3)` for a volume V,
     /// `A / reference_area` for a surface of area A, or the given [`SiHksParameters::unit`].
-    pub fn unit(&self, basis: &Eigenbasis) -> f64 {
+    pub fn unit<'a>(&self, basis: impl Into<EigenbasisView<'a>>) -> f64 {
+        let basis = basis.into();
         self.unit.unwrap_or_else(|| match basis.domain() {
             Domain::Volume => (basis.measure() / self.reference_volume).powf(2.0 / 3.0),
             Domain::Surface => basis.measure() / self.reference_area,
@@ -122,11 +123,12 @@ impl SiHksParameters {
 ///
 /// # Errors
 /// [`DescriptorError::InvalidParameter`], [`DescriptorError::EmptyBasis`], [`DescriptorError::IndexOutOfRange`].
-pub fn si_hks(
-    basis: &Eigenbasis,
+pub fn si_hks<'a>(
+    basis: impl Into<EigenbasisView<'a>>,
     params: &SiHksParameters,
     vertices: Option<&[u32]>,
 ) -> Result<Descriptors, DescriptorError> {
+    let basis = basis.into();
     params.validate()?;
     spectral_sums::check(basis)?;
     let subset = VertexSubset::new(basis.len(), vertices)?;

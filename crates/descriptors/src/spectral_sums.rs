@@ -1,7 +1,7 @@
 //! Sums over a spectrum, `sum_i w_i phi_i^2`: which modes count, and a fixed order.
 
 use crate::DescriptorError;
-use mser3d_shape::Eigenbasis;
+use mser3d_shape::EigenbasisView;
 use rayon::prelude::*;
 
 /// Modes that have decayed by `exp(-41.5) = 1e-18` against the slowest one are left out: below the rounding
@@ -14,7 +14,7 @@ pub(crate) fn live_modes(eigenvalues: &[f64], t: f64) -> usize {
     eigenvalues.partition_point(|l| (l - slowest) * t <= NEGLIGIBLE_DECAY)
 }
 
-pub(crate) fn check(basis: &Eigenbasis) -> Result<(), DescriptorError> {
+pub(crate) fn check(basis: EigenbasisView<'_>) -> Result<(), DescriptorError> {
     let (vertices, eigenpairs) = (basis.len(), basis.eigenvalues().len());
     if vertices == 0 || eigenpairs == 0 {
         return Err(DescriptorError::EmptyBasis { vertices, eigenpairs });
@@ -23,7 +23,7 @@ pub(crate) fn check(basis: &Eigenbasis) -> Result<(), DescriptorError> {
 }
 
 /// `sum_i w_i phi_(first + i)(v)^2` of every vertex.
-pub(crate) fn weighted_squares(basis: &Eigenbasis, first: usize, weights: &[f64]) -> Vec<f64> {
+pub(crate) fn weighted_squares(basis: EigenbasisView<'_>, first: usize, weights: &[f64]) -> Vec<f64> {
     let vertices = (0..basis.len()).into_par_iter().with_min_len(1024);
     vertices
         .map(|v| {

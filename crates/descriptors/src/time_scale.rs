@@ -2,7 +2,7 @@
 use std::fmt;
 
 use crate::DescriptorError;
-use mser3d_shape::Eigenbasis;
+use mser3d_shape::EigenbasisView;
 
 /// A time of heat diffusion. Time has units of length^2.
 ///
@@ -26,8 +26,8 @@ impl TimeScale {
     ///
     /// # Errors
     /// [`DescriptorError::InvalidParameter`] unless the time is positive and finite.
-    pub fn on(self, basis: &Eigenbasis) -> Result<f64, DescriptorError> {
-        self.with_unit(basis.unit_time())
+    pub fn on<'a>(self, basis: impl Into<EigenbasisView<'a>>) -> Result<f64, DescriptorError> {
+        self.with_unit(basis.into().unit_time())
     }
 
     /// The time in length^2 when one relative unit is `unit_time`.

@@ -4,6 +4,7 @@
    machine spoils; and the ratios of the tasks under way on average and of the CPU seconds, which it spoils less: how busy Dask keeps the workers, and whether they are in each other's way.
 2. The memory of two workers over many shapes: it should be flat.
 3. A query among 100,000 regions.
+4. The CPU seconds and the bytes of a shape, one thread: what the costs of large collections are computed from.
 
 `--shapes` and `--rounds` make it shorter. The load of the machine is said beside each figure.
 """
@@ -39,7 +40,7 @@ def cluster(workers):
 
 
 def two_beside_one(folder, rounds):
-    shapes = write_shapes(folder / "turns", 24, seed=2)
+    shapes = write_shapes(folder / "turns", 60, seed=2)
     options = {**QUICK, "voxels": 20000, "eigenpairs": 100}
     ratios = []
     with cluster(1) as one, cluster(2) as two, distributed.Client(one) as first, distributed.Client(two) as second:
@@ -123,6 +124,19 @@ def query_among(folder, source, count):
     )
 
 
+def cost_of_a_shape(folder):
+    shape = pathlib.Path(__file__).resolve().parents[3] / "fixtures" / "human_rest.off"
+    for name, options in (("all defaults", {}), ("reliability=0", {"reliability": 0})):
+        seconds = []
+        for _ in range(3):
+            start = time.process_time()
+            result = mser3d.detect(shape, threads=1, **options)
+            seconds.append(time.process_time() - start)
+        result.save(folder / name)
+        files = [file.stat().st_size for file in (folder / name).iterdir()]
+        print(f"{shape.name}, {name}: {min(seconds):.2f} CPU seconds, {sum(files) / 1e6:.1f} MB in {len(files)} files ({load()})")
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--shapes", type=int, default=2000)
@@ -131,6 +145,7 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         two_beside_one(folder, arguments.rounds)
+        cost_of_a_shape(folder)
         if arguments.shapes:
             query_among(folder, memory_over(folder, arguments.shapes), 100_000)
 

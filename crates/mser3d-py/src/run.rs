@@ -6,7 +6,6 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use mser3d::Progress;
@@ -105,7 +104,7 @@ fn pool(threads: Option<usize>) -> Result<Arc<ThreadPool>, CliError> {
     Ok(pool)
 }
 
-/// Runs work and waits for it.
+/// Runs work and waits for it. After Ctrl-C, work that does not end soon is left to itself.
 ///
 /// # Errors
 /// The work's own as exceptions, what a signal handler or the progress function raised, and a `RuntimeError` where the
@@ -117,16 +116,81 @@ pub fn run<T: Send + 'static>(
 ) -> PyResult<T> {
     let pool = pool(call.threads).map_err(exception)?;
     let told = Arc::new(Told::default());
-    let (done, mut waiting) = mpsc::channel();
+    let (done, waiting) = mpsc::channel();
     let heard = Arc::clone(&told);
-    let worker = std::thread::Builder::new().name("mser3d".into()).spawn(move || {
-        let start = Instant::now();
-        let outcome = pool.install(|| work(&heard));
-        LAST.store(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
-        // Nobody waits any more after Ctrl-C.
-        let _ = done.send(outcome);
-    });
-    let worker = worker.map_err(|e| PyRuntimeError::new_err(format!("no thread can be started: {e}")))?;
+    let worker = thread().spawn(move || timed(&pool, &heard, work, done)).map_err(no_thread)?;
+    match wait(py, call, &told, waiting) {
+        Waited::Over(outcome) => outcome.map_err(exception),
+        Waited::Panicked => Err(fault(py.detach(|| worker.join().err()))),
+        Waited::Stopped(error) => {
+            py.detach(move || {
+                let start = Instant::now();
+                while !worker.is_finished() && start.elapsed() < PATIENCE {
+                    std::thread::sleep(Duration::from_millis(5));
+                }
+            });
+            Err(error)
+        }
+    }
+}
+
+/// As [`run`], for work on arrays of the caller's, which are not copied: it always waits for the end, so the work looks every
+/// now and then whether it should go on.
+pub fn run_borrowing<T: Send>(
+    py: Python<'_>,
+    call: &Call,
+    work: impl FnOnce(&Told) -> Result<T, CliError> + Send,
+) -> PyResult<T> {
+    let pool = pool(call.threads).map_err(exception)?;
+    let told = Told::default();
+    let (done, waiting) = mpsc::channel();
+    std::thread::scope(|scope| {
+        let worker = thread().spawn_scoped(scope, || timed(&pool, &told, work, done)).map_err(no_thread)?;
+        let waited = wait(py, call, &told, waiting);
+        let panicked = py.detach(|| worker.join().err());
+        match waited {
+            Waited::Over(outcome) => outcome.map_err(exception),
+            Waited::Panicked => Err(fault(panicked)),
+            Waited::Stopped(error) => Err(error),
+        }
+    })
+}
+
+fn thread() -> std::thread::Builder {
+    std::thread::Builder::new().name("mser3d".into())
+}
+
+fn no_thread(error: std::io::Error) -> PyErr {
+    PyRuntimeError::new_err(format!("no thread can be started: {error}"))
+}
+
+/// Does the work on the threads of a pool, and hands over what came of it.
+fn timed<T: Send>(
+    pool: &ThreadPool,
+    told: &Told,
+    work: impl FnOnce(&Told) -> Result<T, CliError> + Send,
+    done: mpsc::Sender<Result<T, CliError>>,
+) {
+    let start = Instant::now();
+    let outcome = pool.install(|| work(told));
+    LAST.store(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+    // Nobody waits any more after Ctrl-C.
+    let _ = done.send(outcome);
+}
+
+enum Waited<T> {
+    Over(Result<T, CliError>),
+    Panicked,
+    /// The work was told to end: why.
+    Stopped(PyErr),
+}
+
+fn wait<T: Send>(
+    py: Python<'_>,
+    call: &Call,
+    told: &Told,
+    mut waiting: mpsc::Receiver<Result<T, CliError>>,
+) -> Waited<T> {
     loop {
         let outcome;
         (waiting, outcome) = py.detach(move || {
@@ -134,22 +198,16 @@ pub fn run<T: Send + 'static>(
             (waiting, outcome)
         });
         let stop = match outcome {
-            Ok(outcome) => {
-                tell(py, call, &told)?;
-                return outcome.map_err(exception);
-            }
-            Err(RecvTimeoutError::Disconnected) => return Err(fault(py, worker)),
-            Err(RecvTimeoutError::Timeout) => py.check_signals().and_then(|()| tell(py, call, &told)),
+            Ok(outcome) => match tell(py, call, told) {
+                Ok(()) => return Waited::Over(outcome),
+                Err(error) => Err(error),
+            },
+            Err(RecvTimeoutError::Disconnected) => return Waited::Panicked,
+            Err(RecvTimeoutError::Timeout) => py.check_signals().and_then(|()| tell(py, call, told)),
         };
         if let Err(error) = stop {
             told.cancelled.store(true, Ordering::Relaxed);
-            py.detach(move || {
-                let start = Instant::now();
-                while !worker.is_finished() && start.elapsed() < PATIENCE {
-                    std::thread::sleep(Duration::from_millis(5));
-                }
-            });
-            return Err(error);
+            return Waited::Stopped(error);
         }
     }
 }
@@ -163,8 +221,7 @@ fn tell(py: Python<'_>, call: &Call, told: &Told) -> PyResult<()> {
 }
 
 /// What a panic of the work becomes: an error like others, never the end of the interpreter.
-fn fault(py: Python<'_>, worker: JoinHandle<()>) -> PyErr {
-    let payload = py.detach(|| worker.join()).err();
+fn fault(payload: Option<Box<dyn std::any::Any + Send>>) -> PyErr {
     let text = payload.as_ref().and_then(|payload| {
         let text = payload.downcast_ref::<&str>().copied();
         text.or_else(|| payload.downcast_ref::<String>().map(String::as_str))

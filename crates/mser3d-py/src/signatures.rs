@@ -1,34 +1,70 @@
 //! Heat kernels and heat kernel signatures of eigenpairs.
 
+use std::ops::Range;
+
 use mser3d::descriptors::{self, SiHksParameters};
-use mser3d::shape::{Domain, Eigenbasis};
+use mser3d::shape::{Domain, EigenbasisView};
+use mser3d_cli::CliError;
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
+use rayon::prelude::*;
 
 use crate::arrays::{flat, indices, rows, wrong};
-use crate::errors::of_library;
-use crate::run::{Call, run};
+use crate::errors::{of_library, usage};
+use crate::run::{Call, Told, run_borrowing};
 
-fn basis(
+/// Rows that are dealt with at a time: they stay in the processor's cache from the check to the sums, and Ctrl-C comes between.
+const ROWS: usize = 4096;
+
+/// Eigenpairs as NumPy holds them, which are large and not copied.
+#[derive(Clone, Copy)]
+struct Eigenpairs<'a> {
     domain: Domain,
-    mass: Option<&PyReadonlyArray1<'_, f64>>,
-    evals: &PyReadonlyArray1<'_, f64>,
-    evecs: &PyReadonlyArray2<'_, f64>,
-) -> PyResult<Eigenbasis> {
-    let functions = evecs.as_slice()?.to_vec();
-    // Whether, and then where: the first is fast.
-    let bad = functions.iter().fold(false, |bad, x| bad | !x.is_finite());
-    if bad {
-        let place = functions.iter().position(|x| !x.is_finite()).unwrap_or(0);
-        let row = place / evecs.shape()[1].max(1);
-        return Err(wrong("evecs", format!("row {row} holds a value that is not finite")));
+    mass: &'a [f64],
+    evals: &'a [f64],
+    evecs: &'a [f64],
+}
+
+impl<'a> Eigenpairs<'a> {
+    fn view(self, rows: Range<usize>) -> Result<EigenbasisView<'a>, CliError> {
+        let k = self.evals.len();
+        let functions = &self.evecs[rows.start * k..rows.end * k];
+        EigenbasisView::new(self.domain, &self.mass[rows], self.evals, functions)
+            .map_err(|e| usage(format!("evals, evecs, mass: {e}")))
     }
-    let mass = match mass {
-        Some(mass) => mass.as_slice()?.to_vec(),
-        None => vec![1.0; evecs.shape()[0]],
-    };
-    Eigenbasis::new(domain, mass, evals.as_slice()?.to_vec(), functions)
-        .map_err(|e| wrong("evals, evecs, mass", e))
+
+    fn whole(self) -> Result<EigenbasisView<'a>, CliError> {
+        self.view(0..self.mass.len())
+    }
+
+    /// The rows in blocks, each checked before it is used.
+    fn blocks(
+        self,
+        told: &Told,
+        mut each: impl FnMut(Range<usize>) -> Result<(), CliError>,
+    ) -> Result<(), CliError> {
+        for start in (0..self.mass.len()).step_by(ROWS) {
+            if told.go_on().is_break() {
+                return Err(CliError::Interrupted);
+            }
+            let rows = start..(start + ROWS).min(self.mass.len());
+            self.check(rows.clone())?;
+            each(rows)?;
+        }
+        Ok(())
+    }
+
+    fn check(self, rows: Range<usize>) -> Result<(), CliError> {
+        let k = self.evals.len();
+        let values = &self.evecs[rows.start * k..rows.end * k];
+        // Whether, and then where: the first is fast.
+        if values.par_chunks(1 << 15).all(|part| part.iter().fold(true, |good, x| good & x.is_finite())) {
+            return Ok(());
+        }
+        let place = values.iter().position(|x| !x.is_finite()).unwrap_or(0);
+        let row = rows.start + place / k.max(1);
+        Err(usage(format!("evecs: row {row} holds a value that is not finite")))
+    }
 }
 
 /// The heat kernel at each time, one after the other: of each row with itself, or of pairs of rows.
@@ -41,15 +77,32 @@ pub fn heat_kernel<'py>(
     times: Vec<f64>,
     pairs: Option<PyReadonlyArray2<'py, i64>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let basis = basis(Domain::Volume, None, &evals, &evecs)?;
-    let pairs = pairs.map(|pairs| indices::<2>("pairs", &pairs, basis.len())).transpose()?;
-    let values = run(py, &Call { progress: None, threads: None }, move |_| {
-        let at = |&t: &f64| match &pairs {
-            None => descriptors::auto_diffusivity(&basis, t),
-            Some(pairs) => descriptors::heat_kernel(&basis, t, pairs),
-        };
-        let values: Result<Vec<Vec<f64>>, _> = times.iter().map(at).collect();
-        Ok(values.map_err(of_library)?.concat())
+    let count = evecs.shape()[0];
+    // The heat kernel does not depend on it.
+    let mass = vec![1.0; count];
+    let (evals, evecs) = (evals.as_slice()?, evecs.as_slice()?);
+    let basis = Eigenpairs { domain: Domain::Volume, mass: &mass, evals, evecs };
+    let pairs = pairs.map(|pairs| indices::<2>("pairs", &pairs, count)).transpose()?;
+    let values = run_borrowing(py, &Call { progress: None, threads: None }, |told| {
+        let mut values = Vec::new();
+        if let Some(pairs) = &pairs {
+            basis.blocks(told, |_| Ok(()))?;
+            let whole = basis.whole()?;
+            for &t in &times {
+                values.extend(descriptors::heat_kernel(whole, t, pairs).map_err(of_library)?);
+            }
+        } else {
+            values.resize(times.len() * count, 0.0);
+            basis.blocks(told, |rows| {
+                let view = basis.view(rows.clone())?;
+                for (&t, values) in times.iter().zip(values.chunks_exact_mut(count)) {
+                    let found = descriptors::auto_diffusivity(view, t).map_err(of_library)?;
+                    values[rows.clone()].copy_from_slice(&found);
+                }
+                Ok(())
+            })?;
+        }
+        Ok(values)
     })?;
     Ok(flat(py, values).into_any())
 }
@@ -67,7 +120,8 @@ pub fn si_hks<'py>(
     of: Option<PyReadonlyArray2<'py, i64>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let domain: Domain = domain.parse().map_err(|e| wrong("domain", e))?;
-    let basis = basis(domain, Some(&mass), &evals, &evecs)?;
+    let (mass, evals, evecs) = (mass.as_slice()?, evals.as_slice()?, evecs.as_slice()?);
+    let basis = Eigenpairs { domain, mass, evals, evecs };
     // Fields that are not given are the defaults'.
     let mut parameters =
         serde_json::to_value(SiHksParameters::default()).map_err(|e| wrong("parameters", e))?;
@@ -76,14 +130,28 @@ pub fn si_hks<'py>(
     for (name, value) in given {
         parameters[&name] = value;
     }
-    let parameters: SiHksParameters =
+    let mut parameters: SiHksParameters =
         serde_json::from_value(parameters).map_err(|e| wrong("parameters", e))?;
-    let of = of.map(|of| indices::<1>("rows", &of, basis.len())).transpose()?;
-    let found = run(py, &Call { progress: None, threads: None }, move |_| {
-        let of: Option<Vec<u32>> = of.map(|of| of.concat());
-        descriptors::si_hks(&basis, &parameters, of.as_deref()).map_err(of_library)
+    let of = of.map(|of| indices::<1>("rows", &of, mass.len())).transpose()?;
+    let (values, width) = run_borrowing(py, &Call { progress: None, threads: None }, |told| {
+        parameters.validate().map_err(|e| of_library(e))?;
+        let whole = basis.whole()?;
+        // Of the whole shape, whatever block of it is looked at.
+        parameters.unit = Some(parameters.unit(whole));
+        let mut values = Vec::new();
+        let mut add = |view: EigenbasisView<'_>, of: Option<&[u32]>| {
+            let found = descriptors::si_hks(view, &parameters, of).map_err(of_library)?;
+            values.extend_from_slice(found.values());
+            Ok(())
+        };
+        match of {
+            Some(of) => {
+                basis.blocks(told, |_| Ok(()))?;
+                add(whole, Some(&of.concat()))?;
+            }
+            None => basis.blocks(told, |rows| add(basis.view(rows)?, None))?,
+        }
+        Ok((values, parameters.frequencies))
     })?;
-    let width = found.width();
-    let values = found.values().to_vec();
     Ok(rows(py, values, width)?.into_any())
 }

@@ -254,3 +254,13 @@ def test_pyvista_has_surface_and_voxels(result, human):
     np.testing.assert_allclose(volume.cell_centers().points, result.voxel_centres, atol=1e-6)
     again = mser3d.detect(surface, **SMALL)
     np.testing.assert_array_equal(again.vertex_labels, result.vertex_labels)
+
+
+def test_polyscope_shows_regions_and_parts(result, tmp_path, monkeypatch):
+    polyscope = pytest.importorskip("polyscope")
+    monkeypatch.chdir(tmp_path)  # It keeps its settings in the current folder.
+    polyscope.init("openGL_mock")
+    mesh = result.to_polyscope()
+    assert (mesh.get_name(), mesh.n_vertices(), mesh.n_faces()) == (result.name, len(result.vertices), len(result.faces))
+    assert polyscope.get_surface_mesh(result.name).get_name() == result.name
+    polyscope.remove_all_structures()

@@ -117,6 +117,26 @@ def test_a_forked_process_works(human):
     assert subprocess.run([sys.executable, "-c", script, str(human)], timeout=120).returncode == 0
 
 
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
+def test_a_sequence_is_tracked_by_the_threads_that_are_given_also_in_a_forked_process():
+    script = (
+        "import os, sys, mser3d\n"
+        "tracks = lambda **kw: len(mser3d.track(sys.argv[1:], voxels=2000, reliability=0, workers=2, **kw).tracks)\n"
+        "threads = lambda: len(os.listdir('/proc/self/task')) if os.path.isdir('/proc/self/task') else 0\n"
+        "before = threads()\n"
+        "n = tracks(threads=1)\n"
+        # One that stays for the next call; those of the libraries' own would be one for each core.
+        "assert threads() <= before + 1, (before, threads())\n"
+        "assert tracks() == n > 3\n"
+        "child = os.fork()\n"
+        "if child == 0:\n"
+        "    os._exit(0 if tracks() == n else 1)\n"
+        "sys.exit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))\n"
+    )
+    poses = [str(FIXTURES / f"human_{pose}.off") for pose in ("rest", "walk")]
+    assert subprocess.run([sys.executable, "-W", "ignore", "-c", script, *poses], timeout=120).returncode == 0
+
+
 def test_the_command_is_there(human, tmp_path):
     assert f"mser3d {mser3d.__version__}" in cli("--version").stdout
     wrong = cli("detect", "no.off")

@@ -4,7 +4,7 @@
 //! * [`VoxelGrid`]: a solid as occupied voxels *and the links between them*, one bit each; its [`Frame`] says where
 //!   they lie, and [`Affine`] is the same for any volume;
 //! * [`Graph`]: adjacency of voxels or vertices, in compressed rows;
-//! * [`Eigenbasis`]: eigenvalues and M-orthonormal eigenfunctions of a Laplacian;
+//! * [`Eigenbasis`]: eigenvalues and M-orthonormal eigenfunctions of a Laplacian; [`EigenbasisView`]: those that lie elsewhere;
 //! * [`IndexSet`]: a region as a set of vertices or voxels;
 //! * [`DisjointSets`]: union-find, which components and component trees share.
 //!
@@ -50,7 +50,7 @@ pub use affine::Affine;
 pub use bits::{BitGrid, Bits};
 pub use choice::{Choice, UnknownChoice};
 pub use disjoint_sets::DisjointSets;
-pub use eigenbasis::{Domain, Eigenbasis};
+pub use eigenbasis::{Domain, Eigenbasis, EigenbasisView};
 pub use error::ShapeError;
 pub use frame::Frame;
 pub use graph::{Components, Graph};

@@ -261,6 +261,25 @@ class Result:
             data.cell_data["part"] = self.voxel_parts
         return data
 
+    def to_polyscope(self, name: str | None = None) -> Any:
+        """Adds the surface to Polyscope with ``region``, ``part`` and, for each region, whether a vertex is in it: its SurfaceMesh.
+
+        Call ``polyscope.init()`` before and ``polyscope.show()`` after.
+        """
+        try:
+            import polyscope
+        except ImportError as error:
+            raise ImportError("to_polyscope needs Polyscope: pip install polyscope") from error
+        mesh = polyscope.register_surface_mesh(self.name if name is None else name, self.vertices, self.faces)
+        mesh.add_scalar_quantity("region", self.vertex_labels, datatype="categorical", enabled=self.parts is None)
+        if self.parts is not None:
+            mesh.add_scalar_quantity("part", self.vertex_parts, datatype="categorical", enabled=True)
+        for region in self.regions:
+            inside = np.zeros(len(self.vertices))
+            inside[region.vertices] = 1.0
+            mesh.add_scalar_quantity(f"in region {region.id}", inside)
+        return mesh
+
     @property
     def _elements(self) -> int:
         return len(self.voxel_index) if self.is_volume else len(self.vertices)

@@ -69,6 +69,8 @@ def si_vhks(
     values, functions = _pairs(evals, evecs)
     masses = mass.diagonal() if hasattr(mass, "diagonal") and not isinstance(mass, np.ndarray) else mass
     masses = _arrays.finite("mass", _arrays.numbers("mass", masses, (len(functions),)))
+    if not masses.any():
+        raise ValueError("mass: is 0 everywhere")
     known = ("reference_volume", "reference_area", "unit", "tau_start", "tau_end", "samples_per_octave", "frequencies")
     for name in parameters:
         if name not in known:
