@@ -134,7 +134,7 @@ pub fn si_hks<'py>(
         serde_json::from_value(parameters).map_err(|e| wrong("parameters", e))?;
     let of = of.map(|of| indices::<1>("rows", &of, mass.len())).transpose()?;
     let (values, width) = run_borrowing(py, &Call { progress: None, threads: None }, |told| {
-        parameters.validate().map_err(|e| of_library(e))?;
+        parameters.validate().map_err(of_library)?;
         let whole = basis.whole()?;
         // Of the whole shape, whatever block of it is looked at.
         parameters.unit = Some(parameters.unit(whole));
