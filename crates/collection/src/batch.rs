@@ -1,6 +1,7 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
 use mser3d::{Detector, Domain};
 use mser3d_results::Extra;
@@ -21,6 +22,8 @@ pub struct BatchParameters {
     pub workers: usize,
     /// Bytes of memory that they share; one that needs more runs alone. Default: no limit.
     pub memory: u64,
+    /// How long a shape may take; one that takes longer has failed. Waiting for memory does not count. Default: no limit.
+    pub time_limit: Option<Duration>,
     /// What is written for each shape besides. Default: nothing.
     pub extras: Vec<Extra>,
     /// Only a part of the shapes; the tables are then left to [`build_tables`](crate::build_tables).
@@ -29,7 +32,7 @@ pub struct BatchParameters {
 
 impl Default for BatchParameters {
     fn default() -> Self {
-        Self { workers: 1, memory: u64::MAX, extras: Vec::new(), shard: None }
+        Self { workers: 1, memory: u64::MAX, time_limit: None, extras: Vec::new(), shard: None }
     }
 }
 
@@ -116,7 +119,8 @@ pub fn run_batch(
                 tell(&|advance| advance.is_at(number, seconds, done), None);
             };
             let detector = own.as_ref().unwrap_or(detector);
-            let shape = ShapeRun { folder: &folder, job, domain, detector, extras: &parameters.extras };
+            let (extras, time_limit) = (&parameters.extras[..], parameters.time_limit);
+            let shape = ShapeRun { folder: &folder, job, domain, detector, extras, time_limit };
             match shape.run(&|| volumes.read(job), &budget, &progress) {
                 Ok(outcome) => {
                     tell(&|advance| advance.ends(number, outcome == Outcome::Kept), Some(&outcome));

@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use mser3d::Parameters;
-use mser3d_fileio::file_stem;
+use mser3d_fileio::{ReadLimits, file_stem, read_bytes_within};
 use mser3d_meshio::{AnimationInfo, MeshFormat, ReadOptions, list_animations};
 use mser3d_results::{ResultsError, ShapeFile, ShapeOptions, VolumeFile};
 use mser3d_shape::InvalidParameter;
@@ -52,7 +52,7 @@ pub struct PlanParameters {
     pub all_labels: bool,
     /// Look into the folders in a folder, too. Default: no.
     pub recursive: bool,
-    /// How volumes are read. Meshes are read as they are.
+    /// How volumes are read. Meshes are read as they are, with the same limits.
     pub volumes: ShapeOptions,
 }
 
@@ -88,7 +88,8 @@ pub const LEAST_LABEL_VOXELS: u64 = 64;
 /// The shapes that some inputs name, in the order of their names.
 ///
 /// An input is a file; a folder, for all files of a known format in it, meshes and volumes; a pattern
-/// such as `scans/*.ply`; or a list, a `.txt` file with one path a line, relative to its folder. With
+/// such as `scans/*.ply`; or a list, a `.txt` file with one path a line, relative to its folder, in which the files must lie
+/// unless the limits of reading allow others. With
 /// `frames`, every file is animated and each frame is a shape; with `all_labels`, each label of a volume.
 ///
 /// A shape is named after its file, without the ending; where that is not unique, with it, and where
@@ -100,14 +101,14 @@ pub const LEAST_LABEL_VOXELS: u64 = 64;
 pub fn plan(inputs: &[PathBuf], parameters: &PlanParameters) -> Result<Plan, CollectionError> {
     let mut paths = Vec::new();
     for input in inputs {
-        paths.extend(expand(input, parameters.recursive)?);
+        paths.extend(expand(input, parameters.recursive, parameters.volumes.limits())?);
     }
     let mut seen = std::collections::HashSet::new();
     paths.retain(|path| seen.insert(path.canonicalize().unwrap_or_else(|_| path.clone())));
     let mut plan = Plan::default();
     for (path, name) in paths.iter().zip(names(&paths)) {
         let is_volume = VolumeFormat::of(path).is_some();
-        let options = if is_volume { parameters.volumes.clone() } else { ShapeOptions::default() };
+        let options = if is_volume { parameters.volumes.clone() } else { parameters.volumes.limits_alone() };
         let job = Job { name, path: path.clone(), options, parameters: None };
         match &parameters.frames {
             Some(frames) => plan.jobs.extend(frames_of(&job, frames)?),
@@ -148,7 +149,11 @@ impl Plan {
     }
 }
 
-pub(crate) fn expand(path: &Path, recursive: bool) -> Result<Vec<PathBuf>, CollectionError> {
+pub(crate) fn expand(
+    path: &Path,
+    recursive: bool,
+    limits: &ReadLimits,
+) -> Result<Vec<PathBuf>, CollectionError> {
     let fail = |problem: String| CollectionError::Input { input: path.display().to_string(), problem };
     let found = if path.is_dir() {
         let files = files_in(path, recursive)?;
@@ -158,10 +163,19 @@ pub(crate) fn expand(path: &Path, recursive: bool) -> Result<Vec<PathBuf>, Colle
         }
         files
     } else if path.is_file() && has_extension(path, "txt") {
-        let text = std::fs::read_to_string(path).map_err(CollectionError::io(path))?;
+        let bytes = read_bytes_within(path, limits, 1)?;
+        let text = String::from_utf8(bytes).map_err(|_| fail("the list is no text in UTF-8".into()))?;
+        let lines = (1..).zip(text.lines().map(str::trim)).filter(|(_, line)| !line.is_empty());
         let folder = path.parent().unwrap_or(Path::new(""));
-        let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
-        let files: Vec<PathBuf> = lines.map(|line| folder.join(line)).collect();
+        let file = |(number, line): (usize, &str)| {
+            let named = folder.join(line);
+            // One that is not there fails on its own.
+            if !named.is_file() && limits.allows_name(line) {
+                return Ok(named);
+            }
+            limits.named_file(path, line).map_err(|reason| fail(format!("line {number}: {reason}")))
+        };
+        let files = lines.map(file).collect::<Result<Vec<_>, _>>()?;
         if files.is_empty() {
             return Err(fail("the list is empty; write one path a line".into()));
         }
@@ -213,7 +227,7 @@ fn has_extension(path: &Path, extension: &str) -> bool {
 }
 
 fn frames_of(file: &Job, frames: &Frames) -> Result<Vec<Job>, CollectionError> {
-    let animation = find_animation(&file.path, Some(&frames.animation))?;
+    let animation = find_animation(&file.path, Some(&frames.animation), file.options.limits())?;
     let times = animation.frame_times(frames.rate)?;
     Ok(jobs_at(file, &frames.animation, animation.index, times))
 }
@@ -223,7 +237,11 @@ pub(crate) fn jobs_at(file: &Job, named: &str, animation: usize, times: Vec<f64>
     let job = |(number, time): (usize, f64)| Job {
         name: format!("{}-{}-{number:04}", file.name, plain(named)),
         options: ShapeOptions {
-            pose: ReadOptions { animation: Some(animation.to_string()), time },
+            pose: ReadOptions {
+                animation: Some(animation.to_string()),
+                time,
+                limits: file.options.limits().clone(),
+            },
             ..file.options.clone()
         },
         ..file.clone()
@@ -232,8 +250,12 @@ pub(crate) fn jobs_at(file: &Job, named: &str, animation: usize, times: Vec<f64>
 }
 
 /// The animation of a file with this name or number; if none is named, the only one.
-pub(crate) fn find_animation(path: &Path, named: Option<&str>) -> Result<AnimationInfo, CollectionError> {
-    let mut animations = list_animations(path)?;
+pub(crate) fn find_animation(
+    path: &Path,
+    named: Option<&str>,
+    limits: &ReadLimits,
+) -> Result<AnimationInfo, CollectionError> {
+    let mut animations = list_animations(path, limits)?;
     let is_wanted = |a: &AnimationInfo| match named {
         Some(named) => a.name.as_deref() == Some(named) || a.index.to_string() == named,
         None => true,

@@ -2,8 +2,9 @@
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::Duration;
 
-use mser3d::{Detector, Domain, Progress};
+use mser3d::{Deadline, DeadlinePassed, Detector, Domain, Progress};
 use mser3d_fileio::write_text;
 use mser3d_results::{Extra, Record, Results, ResultsError, ResultsFolder, ShapeFile};
 
@@ -37,6 +38,8 @@ pub(crate) struct ShapeRun<'a> {
     pub domain: Domain,
     pub detector: &'a Detector<'a>,
     pub extras: &'a [Extra],
+    /// How long the shape may take.
+    pub time_limit: Option<Duration>,
 }
 
 /// Reads the shape.
@@ -69,6 +72,7 @@ impl ShapeRun<'_> {
         progress: &(dyn Fn(f64, f64) + Sync),
     ) -> Result<Outcome, CollectionError> {
         let _shape = tracing::info_span!("shape", name = self.job.name).entered();
+        let deadline = Deadline::new(self.time_limit);
         let file = match self.look(read)? {
             Look::Through(outcome) => return Ok(outcome),
             Look::ToDo(file) => file,
@@ -78,12 +82,21 @@ impl ShapeRun<'_> {
         let done = guarded(|| {
             let input = file.input(self.domain)?;
             let estimate = self.detector.parameters.estimate(&input);
+            deadline.check()?;
+            // Waiting for others does not count.
+            let before = deadline.left();
             let share = budget.take(estimate.memory_bytes);
+            let deadline = deadline.resumed(before);
             let told = |told: Progress| {
                 progress(estimate.seconds, told.overall);
+                deadline.go_on()?;
                 (self.detector.progress)(told)
             };
-            let features = self.detector.clone().with_progress(&told).detect(input)?;
+            let features = self.detector.clone().with_progress(&told).detect(input);
+            if let Err(mser3d::Error::Cancelled) = features {
+                deadline.check()?;
+            }
+            let features = features?;
             let results = Results::of_file(&features, &file)?.with_extras(&features, self.extras);
             ResultsFolder::create(&partial)?.write(&results, self.extras)?;
             drop(share);
@@ -119,6 +132,8 @@ pub(crate) enum Trouble {
     Results(#[from] ResultsError),
     #[error(transparent)]
     Detect(#[from] mser3d::Error),
+    #[error(transparent)]
+    Deadline(#[from] DeadlinePassed),
     #[error("a bug in mser3d, please report it: {0}")]
     Panic(String),
 }

@@ -1,6 +1,6 @@
-use crate::FileError;
+use crate::{FileError, ReadLimits};
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Read, Write};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -10,6 +10,28 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// [`FileError::Read`].
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
     std::fs::read(path).map_err(|source| FileError::Read { path: path.to_path_buf(), source })
+}
+
+/// Reads a whole file that must not take more memory than the limits allow, `each` bytes for a byte of it: those of the file
+/// itself and of what is made of it.
+///
+/// # Errors
+/// [`FileError::Read`], [`FileError::OverLimit`].
+pub fn read_bytes_within(path: &Path, limits: &ReadLimits, each: u64) -> Result<Vec<u8>, FileError> {
+    let fault = |source| FileError::Read { path: path.to_path_buf(), source };
+    let over = |source| FileError::OverLimit { path: path.to_path_buf(), source };
+    let file = File::open(path).map_err(fault)?;
+    let length = file.metadata().map_err(fault)?.len();
+    let check = |bytes: u64| {
+        limits.check_memory(bytes.saturating_mul(each), || format!("it has {bytes} bytes")).map_err(over)
+    };
+    check(length)?;
+    // What is no regular file, such as a pipe, does not say how long it is.
+    let most = limits.left() / each.max(1);
+    let mut bytes = Vec::new();
+    file.take(most.saturating_add(1)).read_to_end(&mut bytes).map_err(fault)?;
+    check(bytes.len() as u64)?;
+    Ok(bytes)
 }
 
 /// The name of a file without its folder and ending, which may be a double one: `brain` of `brain.nii.gz`.

@@ -78,7 +78,7 @@ impl BatchArgs {
         if let Some(reference) = &self.reference {
             let file = match plan.jobs.first() {
                 Some(job) if reference == Path::new("first") => job.read()?,
-                _ => ShapeFile::read(reference, &ShapeOptions::default()).map_err(reading)?,
+                _ => ShapeFile::read(reference, &planned.volumes.limits_alone()).map_err(reading)?,
             };
             let scaled = parameters.with_scale_of(file.input(self.options.domain())?);
             parameters = scaled.map_err(|e| CliError::detection(&file.path, e))?;
@@ -126,8 +126,9 @@ impl BatchArgs {
         if let Some(spectra) = &spectra {
             detector.spectra = spectra;
         }
-        let (domain, extras) = (self.options.domain(), &self.many.write);
-        Ok(work(&ScheduledShape { folder: &self.output, job, domain, detector: &detector, extras })?)
+        let (folder, domain, extras) = (&self.output, self.options.domain(), &self.many.write);
+        let time_limit = self.options.limits.time();
+        Ok(work(&ScheduledShape { folder, job, domain, detector: &detector, extras, time_limit })?)
     }
 }
 
@@ -144,6 +145,7 @@ pub(crate) fn run(args: &BatchArgs) -> Result<(), CliError> {
     let batch = BatchParameters {
         workers: args.many.workers(),
         memory: parameters.spectrum.memory_limit.unwrap_or(u64::MAX),
+        time_limit: args.options.limits.time(),
         extras: args.many.write.clone(),
         shard,
     };

@@ -108,7 +108,7 @@ impl DetectArgs {
     /// it, `warn` what is wrong with the cache.
     ///
     /// # Errors
-    /// [`CliError::Shape`], [`CliError::Interrupted`], and those of the cache and the field.
+    /// [`CliError::Shape`], [`CliError::TimeLimit`], [`CliError::Interrupted`], and those of the cache and the field.
     pub fn find(
         &self,
         file: &ShapeFile,
@@ -117,15 +117,23 @@ impl DetectArgs {
         progress: ProgressFn,
         warn: &(dyn Fn(&str) + Sync),
     ) -> Result<(Features, Results), CliError> {
+        let deadline = self.options.limits.deadline();
+        let progress = |told| {
+            deadline.go_on()?;
+            progress(told)
+        };
         let values = field.map(|field| field.on(file)).transpose()?;
         let cache = self.options.cache()?;
         let spectra = cache.as_ref().map(|cache| cache.source(warn));
-        let mut detector = Detector::new(self.parameters()?).with_progress(progress);
+        let mut detector = Detector::new(self.parameters()?).with_progress(&progress);
         if let Some(spectra) = &spectra {
             detector.spectra = spectra;
         }
         detector.field = values.as_ref().map(|values| values as FieldSource);
         let features = detector.detect(file.input(self.options.domain())?);
+        if let Err(mser3d::Error::Cancelled) = features {
+            CliError::in_time(&deadline, &file.path)?;
+        }
         let features = features.map_err(|source| CliError::detection(&file.path, source))?;
         let mut results = Results::of_file(&features, file)?.with_extras(&features, extras);
         results.record.field = field.map(|field| field.record().clone());
@@ -141,6 +149,7 @@ pub(crate) fn run(args: &DetectArgs) -> Result<(), CliError> {
         args.options.refuse_field()?;
         return all_labels(args, parameters, options);
     }
+    let _watch = args.options.limits.watch(&args.input.input);
     let file = args.input.read(&options)?;
     args.check(&file)?;
     let field = args.field()?;
@@ -203,6 +212,7 @@ fn all_labels(args: &DetectArgs, parameters: Parameters, volumes: ShapeOptions) 
     let batch = BatchParameters {
         workers: rayon::current_num_threads(),
         memory: parameters.spectrum.memory_limit.unwrap_or(u64::MAX),
+        time_limit: args.options.limits.time(),
         extras: args.write.clone(),
         shard: None,
     };

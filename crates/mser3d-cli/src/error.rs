@@ -2,6 +2,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use mser3d::voxelize::VoxelizeError;
+use mser3d::{Deadline, DeadlinePassed};
 use mser3d_collection::CollectionError;
 use mser3d_results::ResultsError;
 use mser3d_viewer::ViewerError;
@@ -34,6 +35,29 @@ pub enum CliError {
         /// Why.
         source: mser3d::Error,
     },
+    /// The work on a file would take more memory than it is allowed.
+    #[error(
+        "{}: {what} takes about {needed_mb} MB of memory, more than the limit of {limit_mb} MB; if that is meant, raise \
+         --memory-limit", path.display()
+    )]
+    MemoryLimit {
+        /// The file.
+        path: PathBuf,
+        /// The work.
+        what: String,
+        /// What it would take.
+        needed_mb: u64,
+        /// The limit.
+        limit_mb: u64,
+    },
+    /// The work on a file was not done in time.
+    #[error("{}: {source}", path.display())]
+    TimeLimit {
+        /// The file.
+        path: PathBuf,
+        /// The limit, and what to do.
+        source: DeadlinePassed,
+    },
     /// The user asked to stop.
     #[error("interrupted; nothing was written")]
     Interrupted,
@@ -63,6 +87,11 @@ impl CliError {
             mser3d::Error::Cancelled => Self::Interrupted,
             source => Self::Shape { path: path.to_owned(), source },
         }
+    }
+
+    /// An error when the deadline of the work on a file has passed.
+    pub(crate) fn in_time(deadline: &Deadline, path: &Path) -> Result<(), Self> {
+        deadline.check().map_err(|source| Self::TimeLimit { path: path.to_owned(), source })
     }
 
     /// What [`main`](crate::main) returns of it.

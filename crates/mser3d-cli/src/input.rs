@@ -25,7 +25,7 @@ pub struct InputArgs {
 impl InputArgs {
     /// The frame of an animation.
     pub fn pose(&self) -> ReadOptions {
-        ReadOptions { animation: self.animation.clone(), time: self.time }
+        ReadOptions { animation: self.animation.clone(), time: self.time, ..Default::default() }
     }
 
     pub fn read(&self, options: &ShapeOptions) -> Result<ShapeFile, CliError> {

@@ -15,7 +15,7 @@ static REQUESTED: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 static MADE: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 /// How long a stage may take to its next step before the program ends without it.
-const PATIENCE: Duration = Duration::from_millis(600);
+pub const PATIENCE: Duration = Duration::from_millis(600);
 /// How long files that are being written may take.
 const LAST_WRITES: Duration = Duration::from_secs(10);
 
@@ -45,13 +45,19 @@ fn watch() {
         std::thread::sleep(Duration::from_millis(50));
     }
     std::thread::sleep(PATIENCE);
+    // As shells report a program that ended by SIGINT.
+    leave("interrupted", 130);
+}
+
+/// Ends the program, once no file is being written: with a message, and without the folders that it made, as far as they are
+/// empty.
+pub fn leave(what: &str, code: i32) -> ! {
     let start = Instant::now();
     while is_writing() && start.elapsed() < LAST_WRITES {
         std::thread::sleep(Duration::from_millis(5));
     }
     let made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
     made.iter().take_while(|path| std::fs::remove_dir(path).is_ok()).for_each(drop);
-    eprintln!("mser3d: interrupted");
-    // As shells report a program that ended by SIGINT.
-    std::process::exit(130);
+    eprintln!("mser3d: {what}");
+    std::process::exit(code);
 }

@@ -26,6 +26,7 @@ mod export;
 mod input;
 mod inspect;
 mod interrupt;
+mod limit_options;
 mod log;
 mod matching;
 mod msv;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use mser3d::comptree::{Contrast, MsvParameters};
 use mser3d::shape::Connectivity;
+use mser3d_meshio::ReadOptions;
 use mser3d_results::msv::{MSV_RECORD, MsvResults, MsvSearchParameters};
 use mser3d_results::{ResultsError, ShapeOptions, VolumeFile};
 use mser3d_volumeio::{PlacementParameters, VolumeFormat, read_affine};
@@ -11,9 +12,13 @@ use mser3d_volumeio::{PlacementParameters, VolumeFormat, read_affine};
 use crate::choice::choice;
 use crate::error::{CliError, print};
 use crate::input::folder_beside;
+use crate::limit_options::LimitOptions;
 use crate::numbers::positive;
 use crate::output::folder;
 use crate::voxel_options::triple;
+
+/// Bytes that a search takes for each voxel, as measured on noise, the worst.
+const VOXEL: f64 = 110.0;
 
 /// What `mser3d msv` is told.
 #[derive(clap::Args, Clone, Debug)]
@@ -60,6 +65,8 @@ pub struct MsvArgs {
     /// Voxel-to-world map in place of the file's: a text or .npy file of 4 x 4 numbers
     #[arg(long, value_name = "FILE", conflicts_with_all = ["spacing", "origin"])]
     pub affine: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) limits: LimitOptions,
     /// No table on stdout
     #[arg(short, long)]
     pub quiet: bool,
@@ -71,23 +78,31 @@ impl MsvArgs {
     /// # Errors
     /// [`CliError::Usage`] for values out of range, [`CliError::Volume`] for the file of an affine.
     pub fn shape_options(&self) -> Result<ShapeOptions, CliError> {
+        let limits = self.limits.reading();
         let placement = PlacementParameters {
             spacing: triple("--spacing", &self.spacing)?,
             origin: triple("--origin", &self.origin)?,
-            affine: self.affine.as_deref().map(read_affine).transpose()?,
+            affine: self.affine.as_deref().map(|path| read_affine(path, &limits)).transpose()?,
         };
-        Ok(ShapeOptions { placement, ..Default::default() })
+        let pose = ReadOptions { limits, ..Default::default() };
+        Ok(ShapeOptions { pose, placement, ..Default::default() })
     }
 
     /// Finds the regions of a volume.
     ///
     /// # Errors
-    /// [`CliError::Usage`] for values out of range, [`CliError::Results`], [`CliError::Shape`].
+    /// [`CliError::Usage`] for values out of range, [`CliError::Results`], [`CliError::Shape`],
+    /// [`CliError::MemoryLimit`], [`CliError::TimeLimit`].
     pub fn find(&self, file: VolumeFile) -> Result<MsvResults, CliError> {
+        let deadline = self.limits.deadline();
         let path = file.path;
         let body = |error| ResultsError::Body { path: path.clone(), error };
         let volume = file.loaded.grey(self.volume).map_err(body)?;
         volume.frame().map_err(|error| ResultsError::Placement { path: path.clone(), error })?;
+        let [nx, ny, nz] = volume.dims();
+        let searches = if self.regions.is_empty() { 2 } else { self.regions.len() };
+        let bytes = VOXEL * searches as f64 * (nx as f64 * ny as f64 * nz as f64);
+        self.limits.check_memory(&path, bytes, || format!("a search of {nx} x {ny} x {nz} voxels"))?;
         let parameters = MsvSearchParameters {
             contrasts: self.regions.clone(),
             delta: self.delta,
@@ -101,6 +116,7 @@ impl MsvArgs {
             connectivity: self.connectivity,
         };
         let found = MsvResults::find(&volume, &path.to_string_lossy(), &parameters);
+        CliError::in_time(&deadline, &path)?;
         found.map_err(|error| match error {
             ResultsError::Tree(mser3d::comptree::TreeError::InvalidParameter(error)) => {
                 CliError::Usage(format!("wrong parameter: {error}"))
@@ -116,6 +132,7 @@ pub(crate) fn run(args: &MsvArgs) -> Result<(), CliError> {
         let name = args.input.display();
         return Err(CliError::Usage(format!("{name}: a volume is one of {}", VolumeFormat::LIST)));
     }
+    let _watch = args.limits.watch(&args.input);
     let file = VolumeFile::read(&args.input, &args.shape_options()?)?;
     let notes = file.loaded.notes.clone();
     let found = args.find(file)?;

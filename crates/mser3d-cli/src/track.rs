@@ -99,6 +99,15 @@ impl TrackArgs {
         heard: &(dyn Fn(Event) + Sync),
         warn: &(dyn Fn(&str) + Sync),
     ) -> Result<(TracksRecord, BatchSummary), CliError> {
+        let deadline = self.options.limits.deadline();
+        let progress = &|told| {
+            deadline.go_on()?;
+            progress(told)
+        };
+        let in_time = || match self.inputs.first() {
+            Some(first) => CliError::in_time(&deadline, first),
+            None => Ok(()),
+        };
         self.options.refuse_field()?;
         if self.volume.all_labels() {
             return Err(CliError::Usage("--label all: a frame is one shape; choose a label".into()));
@@ -129,15 +138,25 @@ impl TrackArgs {
         let batch = BatchParameters {
             workers: self.many.workers(),
             memory: parameters.spectrum.memory_limit.unwrap_or(u64::MAX),
+            // The limit is that of the whole run.
+            time_limit: None,
             extras: self.many.write.clone(),
             shard: None,
         };
         let detector = Detector::new(parameters).with_progress(progress);
-        let summary = run_detector(&self.options, &self.output, &plan, &detector, &batch, (heard, warn))?;
+        let summary = run_detector(&self.options, &self.output, &plan, &detector, &batch, (heard, warn));
+        if summary.is_err() {
+            in_time()?;
+        }
+        let summary = summary?;
         // All frames have been searched by now.
         let told = Progress { stage: Stage::Parts, done: 1.0, overall: 1.0 };
         let goes_on = |_| progress(told).is_continue();
-        let tracks = track_results(&self.output, &plan, &tracking, &goes_on)?;
+        let tracks = track_results(&self.output, &plan, &tracking, &goes_on);
+        if tracks.is_err() {
+            in_time()?;
+        }
+        let tracks = tracks?;
         if self.html {
             let html = track_page(&self.output, &title(&self.inputs), self.up)?;
             mser3d_fileio::write_text(&self.output.join("tracks.html"), &html)?;

@@ -144,7 +144,8 @@ fn place(args: &BatchArgs, job: &Job) -> Place {
 fn job(args: &BatchArgs, place: Place) -> Result<Job, CliError> {
     let (name, path, label, frame) = place;
     let is_volume = VolumeFormat::of(&path).is_some();
-    let mut options = if is_volume { args.volumes()? } else { ShapeOptions::default() };
+    let volumes = args.volumes()?;
+    let mut options = if is_volume { volumes } else { volumes.limits_alone() };
     if let Some((volume, label)) = label {
         options.body = BodyParameters { volume: Some(volume), ..BodyParameters::of_label(label) };
     }

@@ -76,7 +76,7 @@ impl Inspection {
             choose: None,
             pitch: volume.zip(estimate.as_ref()).map(|(volume, e)| (volume / e.elements as f64).cbrt()),
             estimate,
-            animations: list_animations(&file.path).unwrap_or_default(),
+            animations: list_animations(&file.path, &file.pose.limits).unwrap_or_default(),
             notes: file.notes().to_vec(),
             input,
         }

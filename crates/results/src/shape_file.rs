@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use mser3d::Input;
 use mser3d::voxelize::diagnose;
-use mser3d_fileio::read_bytes;
+use mser3d_fileio::{ReadLimits, read_bytes_within};
 use mser3d_meshio::{LoadedMesh, MeshFormat, MeshIoError, ReadOptions, read_mesh_from};
 use mser3d_shape::{Domain, InvalidParameter, TriangleMesh};
 use mser3d_volumeio::{BodyParameters, LabelName, PlacementParameters, VolumeFormat};
@@ -13,7 +13,7 @@ use crate::{InputRecord, ResultsError, SolidVolume, VolumeFile};
 /// How a shape is read from a file. By default nothing is chosen or replaced.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ShapeOptions {
-    /// The frame of a glTF animation.
+    /// The frame of a glTF animation, and the limits of reading, which hold for volumes as well.
     pub pose: ReadOptions,
     /// Which voxels of a volume are the body.
     pub body: BodyParameters,
@@ -32,7 +32,7 @@ pub struct ShapeOptions {
 /// use mser3d_results::{Results, ShapeFile, ShapeOptions};
 ///
 /// // The fox, half a second into its second animation.
-/// let pose = ReadOptions { animation: Some("1".to_owned()), time: 0.5 };
+/// let pose = ReadOptions { animation: Some("1".to_owned()), time: 0.5, ..Default::default() };
 /// let file = ShapeFile::read("Fox.glb".as_ref(), &ShapeOptions { pose, ..Default::default() })?;
 /// let features = Detector::default().detect(file.input(Domain::Volume)?)?;
 /// Results::of_file(&features, &file)?.write("fox".as_ref())?;
@@ -85,7 +85,7 @@ impl ShapeFile {
         if let Some(option) = options.first_of_volumes() {
             return Err(ResultsError::NoVolume { path: path.to_owned(), option });
         }
-        let bytes = read_bytes(path)?;
+        let bytes = read_bytes_within(path, &options.pose.limits, 1)?;
         let sha256 = hex(Sha256::digest(&bytes));
         let format = MeshFormat::of(path, &bytes).map_err(|error| match error {
             source @ MeshIoError::UnknownFormat { .. } => ResultsError::UnknownFormat { source },
@@ -209,6 +209,18 @@ impl ShapeFile {
 }
 
 impl ShapeOptions {
+    /// What reading may take, and where a file may lead.
+    pub fn limits(&self) -> &ReadLimits {
+        &self.pose.limits
+    }
+
+    /// The same limits, and nothing chosen or replaced.
+    #[must_use]
+    pub fn limits_alone(&self) -> Self {
+        let limits = self.limits().clone();
+        Self { pose: ReadOptions { limits, ..Default::default() }, ..Default::default() }
+    }
+
     /// The first option that is given and that only volumes have.
     fn first_of_volumes(&self) -> Option<&'static str> {
         let options = [

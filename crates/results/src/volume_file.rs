@@ -1,6 +1,7 @@
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use mser3d_fileio::read_bytes;
+use mser3d_fileio::FileError;
 use mser3d_shape::{BitGrid, ShapeError, VoxelGrid};
 use mser3d_volumeio::{
     Affine, Body, BodyParameters, ChannelKind, LabelCount, LoadedVolume, Volume, World, WorldAxes,
@@ -104,13 +105,12 @@ impl VolumeFile {
     /// [`ResultsError::File`], [`ResultsError::Volume`], [`ResultsError::Placement`], naming the file.
     pub fn read(path: &Path, options: &ShapeOptions) -> Result<Self, ResultsError> {
         options.placement.validate()?;
-        let bytes = read_bytes(path)?;
-        let sha256 = hex(Sha256::digest(&bytes));
+        let (sha256, bytes) = file_sha256(path)?;
         let file = Self {
             path: path.to_owned(),
             sha256: Some(sha256),
-            bytes: Some(bytes.len() as u64),
-            loaded: read_volume(path)?,
+            bytes: Some(bytes),
+            loaded: read_volume(path, options.limits())?,
         };
         file.placed(options)
     }
@@ -188,6 +188,14 @@ impl VolumeFile {
             body: None,
         }
     }
+}
+
+/// The hash of a file, and its size, without holding it.
+fn file_sha256(path: &Path) -> Result<(String, u64), FileError> {
+    let fault = |source| FileError::Read { path: path.to_path_buf(), source };
+    let mut hash = Sha256::new();
+    let bytes = std::io::copy(&mut File::open(path).map_err(fault)?, &mut hash).map_err(fault)?;
+    Ok((hex(hash.finalize()), bytes))
 }
 
 fn misplaced(path: &Path, error: ShapeError) -> ResultsError {

@@ -25,7 +25,7 @@
 //! # std::fs::create_dir_all(&folder)?;
 //! let path = folder.join("small.nii.gz");
 //! write_nifti(&path, &volume)?;
-//! assert_eq!(read_volume(&path)?.volume, volume);
+//! assert_eq!(read_volume(&path, &Default::default())?.volume, volume);
 //! # std::fs::remove_dir_all(&folder)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

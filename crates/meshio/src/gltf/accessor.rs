@@ -1,6 +1,7 @@
 //! Typed arrays within buffers. Every number of the file is checked before it is used.
 
 use super::exact::Node;
+use crate::budget::Budget;
 use crate::error::Fault;
 use gltf::json;
 use json::accessor::{ComponentType, Type};
@@ -13,6 +14,8 @@ pub(super) struct Asset<'a> {
     pub buffers: Vec<Cow<'a, [u8]>>,
     /// The nodes, with the digits that `root` has lost.
     pub nodes: Vec<Node>,
+    /// What is left of the memory that reading may take.
+    pub budget: &'a Budget<'a>,
 }
 
 /// Numbers in rows of equal width.
@@ -55,6 +58,10 @@ impl Asset<'_> {
         };
         let (component, width) = (component.0, expected.multiplicity());
         let count = usize::try_from(accessor.count.0).map_err(|_| fault("its count is absurd".into()))?;
+        let bytes = (count as u64).saturating_mul(8 * width as u64);
+        self.budget
+            .limits
+            .check_memory(bytes, || format!("accessor {number} declares {count} rows of {width}"))?;
         let held: usize = self.buffers.iter().map(|b| b.len()).sum();
         let mut values = match accessor.buffer_view {
             Some(view) => {

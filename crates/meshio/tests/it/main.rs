@@ -6,6 +6,7 @@ mod bad_files;
 mod cases;
 mod cells;
 mod gltf;
+mod limits;
 mod mutations;
 mod real_files;
 mod round_trips;

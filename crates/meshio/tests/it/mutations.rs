@@ -147,7 +147,7 @@ fn damaged_files_are_errors_or_other_meshes() {
         };
         for animation in animations {
             let time = if animation.is_some() { time } else { 0.0 };
-            let options = ReadOptions { animation: animation.map(str::to_owned), time };
+            let options = ReadOptions { animation: animation.map(str::to_owned), time, ..Default::default() };
             let result = read_mesh_from(format, bytes, Path::new("damaged"), &options);
             outcomes[usize::from(result.is_ok())] += 1;
             if let Err(error) = result {

@@ -7,6 +7,7 @@ mod common;
 mod docs;
 mod failures;
 mod libraries;
+mod limits;
 mod maps;
 mod msv;
 mod names;

@@ -68,7 +68,7 @@ impl MsvResults {
         let text = fs::read(&path).map_err(|error| ResultsError::Io { path: path.clone(), error })?;
         let record: super::MsvRecord = parse(&path, &text, FORMAT)?;
         let path = folder.join("labels.npy");
-        let volume = read_volume(&path)?.volume;
+        let volume = read_volume(&path, &Default::default())?.volume;
         let searches = record.searches.len();
         let most = record.searches.iter().map(|s| s.regions.len()).max().unwrap_or(0);
         let Samples::I32(numbers) = volume.samples() else {

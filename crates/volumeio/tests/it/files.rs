@@ -40,11 +40,21 @@ fn volumes_survive_a_round_trip() {
             let volume = Volume::new(dims, channels, placed(), values.clone()).unwrap();
             for name in ["a.nii", "a.nii.gz"] {
                 write_nifti(&path(name), &volume).unwrap();
-                assert_eq!(read_volume(&path(name)).unwrap().volume, volume, "{name} {}", values.type_name());
+                assert_eq!(
+                    read_volume(&path(name), &Default::default()).unwrap().volume,
+                    volume,
+                    "{name} {}",
+                    values.type_name()
+                );
             }
             write_npy(&path("a.npy"), &volume).unwrap();
             let flat = Volume::new(dims, channels, Affine::default(), values.clone()).unwrap();
-            assert_eq!(read_volume(&path("a.npy")).unwrap().volume, flat, "{}", values.type_name());
+            assert_eq!(
+                read_volume(&path("a.npy"), &Default::default()).unwrap().volume,
+                flat,
+                "{}",
+                values.type_name()
+            );
         }
     }
 }
@@ -79,9 +89,12 @@ fn what_cannot_be_is_refused() {
         let volume = Volume::new(dims, channels, affine, vec![0u8; count]);
         assert!(matches!(volume, Err(VolumeIoError::InvalidVolume { .. })));
     }
-    assert!(matches!(read_volume(Path::new("a.obj")), Err(VolumeIoError::UnknownFormat { .. })));
     assert!(matches!(
-        read_volume(Path::new("nowhere/a.nii")),
+        read_volume(Path::new("a.obj"), &Default::default()),
+        Err(VolumeIoError::UnknownFormat { .. })
+    ));
+    assert!(matches!(
+        read_volume(Path::new("nowhere/a.nii"), &Default::default()),
         Err(VolumeIoError::File(FileError::Read { .. }))
     ));
 }
@@ -145,7 +158,7 @@ fn a_file_that_is_cut_short_is_an_error() {
         let path = folder.path().join(name);
         for length in (0..=bytes.len()).rev() {
             std::fs::write(&path, &bytes[..length]).unwrap();
-            let read = read_volume(&path);
+            let read = read_volume(&path, &Default::default());
             assert_eq!(read.is_ok(), length == bytes.len(), "{name}: {length} of {} bytes", bytes.len());
         }
     }
@@ -159,12 +172,12 @@ fn a_wrong_checksum_is_an_error_and_padding_is_not() {
     {
         let path = folder.path().join(name);
         std::fs::write(&path, [&whole[..], &[0; 512]].concat()).unwrap();
-        read_volume(&path).unwrap();
+        read_volume(&path, &Default::default()).unwrap();
         let mut damaged = whole;
         let at = damaged.len() - 8;
         damaged[at] ^= 1;
         std::fs::write(&path, damaged).unwrap();
-        let error = read_volume(&path).unwrap_err().to_string();
+        let error = read_volume(&path, &Default::default()).unwrap_err().to_string();
         assert!(error.contains("damaged data"), "{error}");
     }
 }
@@ -209,7 +222,7 @@ proptest! {
             }
             let path = folder.path().join(name);
             std::fs::write(&path, bytes).unwrap();
-            if let Err(error) = read_volume(&path) {
+            if let Err(error) = read_volume(&path, &Default::default()) {
                 prop_assert!(error.to_string().contains(name), "{error}");
             }
         }
