@@ -142,6 +142,7 @@ mod tests {
             domain: Domain::Volume,
             detector: &detector,
             extras: &[],
+            time_limit: None,
         };
         for outcome in [shape.examine().unwrap(), Need::Through(shape.run().unwrap())] {
             assert!(

@@ -42,6 +42,9 @@ pub(crate) struct ShapeRun<'a> {
     pub time_limit: Option<Duration>,
 }
 
+/// Bytes of memory for a byte of a file that is read, about.
+const READING: u64 = 4;
+
 /// Reads the shape.
 pub(crate) type ReadShape<'a> = &'a dyn Fn() -> Result<ShapeFile, ResultsError>;
 
@@ -72,8 +75,13 @@ impl ShapeRun<'_> {
         progress: &(dyn Fn(f64, f64) + Sync),
     ) -> Result<Outcome, CollectionError> {
         let _shape = tracing::info_span!("shape", name = self.job.name).entered();
+        // While it is read, a file takes a few times its size.
+        let bytes = std::fs::metadata(&self.job.path).map_or(0, |found| found.len());
+        let share = budget.take(bytes.saturating_mul(READING));
         let deadline = Deadline::new(self.time_limit);
-        let file = match self.look(read)? {
+        let looked = self.look(read)?;
+        drop(share);
+        let file = match looked {
             Look::Through(outcome) => return Ok(outcome),
             Look::ToDo(file) => file,
         };

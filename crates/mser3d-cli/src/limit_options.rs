@@ -13,7 +13,7 @@ use crate::interrupt;
 use crate::numbers::positive;
 
 /// How often it is looked how much memory the process holds, and what time it is.
-const LOOK: Duration = Duration::from_millis(5);
+const LOOK: Duration = Duration::from_millis(10);
 
 /// What a command may take. What is known before is refused before.
 #[derive(clap::Args, Clone, Debug)]
@@ -102,15 +102,23 @@ impl LimitOptions {
     /// Ends the program when work on a file goes beyond its limits: what could not be known before, and stages that do not
     /// look at the time.
     pub fn watch(&self, path: &Path) -> Watch {
+        self.start_watch(path, self.memory())
+    }
+
+    /// The same of time alone, where shapes wait for each other's memory.
+    pub fn watch_time(&self, path: &Path) -> Watch {
+        self.start_watch(path, None)
+    }
+
+    fn start_watch(&self, path: &Path, memory: Option<u64>) -> Watch {
         let ended = Arc::new(AtomicBool::new(false));
         let watch = Watch(Arc::clone(&ended));
-        let (deadline, memory, path) = (self.deadline(), self.memory(), path.display().to_string());
+        let (deadline, path) = (self.deadline(), path.display().to_string());
         let look = move || {
             while !ended.load(Ordering::SeqCst) {
                 std::thread::sleep(LOOK);
-                let held = used_memory().unwrap_or(0);
-                // The last part of the limit is for what is taken until the next look.
-                if let Some(limit) = memory.filter(|&limit| held > limit)
+                if let Some(limit) = memory
+                    && let Some(held) = used_memory().filter(|&held| held > limit)
                     && !ended.load(Ordering::SeqCst)
                 {
                     let (held, limit) = (held.div_ceil(1_000_000), limit / 1_000_000);

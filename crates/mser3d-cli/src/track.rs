@@ -173,6 +173,8 @@ impl TrackArgs {
 
 pub(crate) fn run(args: &TrackArgs) -> Result<(), CliError> {
     args.many.run.use_threads()?;
+    let first = args.inputs.first().map_or(Path::new(""), PathBuf::as_path);
+    let _watch = args.options.limits.watch_time(first);
     let meter = BatchMeter::new(args.many.run.quiet);
     let stop = |_| if interrupt::is_requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     let found = args.find(&stop, &|event| meter.report(&event), &|what| meter.warn(what));

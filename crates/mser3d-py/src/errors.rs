@@ -9,16 +9,20 @@ use mser3d_cli::CliError;
 use mser3d_fileio::OverLimit;
 use pyo3::PyErr;
 use pyo3::exceptions::{
-    PyFileNotFoundError, PyKeyboardInterrupt, PyMemoryError, PyOSError, PyPermissionError, PyValueError,
+    PyFileNotFoundError, PyKeyboardInterrupt, PyMemoryError, PyOSError, PyPermissionError, PyTimeoutError,
+    PyValueError,
 };
 
 /// The exception of an error: `OSError` where the operating system refused, `MemoryError` for work that would not fit,
-/// `KeyboardInterrupt` where it was cancelled, else `ValueError`.
+/// `TimeoutError` for work that was not done in time, `KeyboardInterrupt` where it was cancelled, else `ValueError`.
 pub fn exception(error: CliError) -> PyErr {
     let text = error.to_string();
     if let CliError::Interrupted | CliError::Collection(mser3d_collection::CollectionError::Cancelled) = error
     {
         return PyKeyboardInterrupt::new_err(());
+    }
+    if let CliError::TimeLimit { .. } = error {
+        return PyTimeoutError::new_err(text);
     }
     let mut cause: Option<&(dyn Error + 'static)> = Some(&error);
     while let Some(error) = cause {
