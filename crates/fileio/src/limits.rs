@@ -159,7 +159,7 @@ fn leads_up(name: &str) -> bool {
 /// Bytes for people, rounded up.
 pub(crate) fn megabytes(bytes: u64) -> String {
     match bytes {
-        _ if bytes % 1_000_000 != 0 && bytes < 10_000_000 => {
+        _ if !bytes.is_multiple_of(1_000_000) && bytes < 10_000_000 => {
             format!("{:.1} MB", (bytes as f64 / 1e5).ceil() / 10.0)
         }
         _ => format!("{} MB", bytes.div_ceil(1_000_000)),

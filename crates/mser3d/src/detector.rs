@@ -103,11 +103,12 @@ impl<'a> Detector<'a> {
         }
         let mut clock = Clock::start();
         let estimate = parameters.estimate(&input);
-        // More eigenpairs than there can be are refused as such.
-        let possible = match parameters.spectrum.eigenpairs {
-            EigenpairRange::Count(count) => count <= estimate.elements,
-            _ => true,
-        };
+        // More eigenpairs than there can be are refused as such, and so are grids of too many voxels.
+        let possible = estimate.elements as u64 <= parameters.voxelize.max_box_voxels
+            && match parameters.spectrum.eigenpairs {
+                EigenpairRange::Count(count) => count <= estimate.elements,
+                _ => true,
+            };
         let limit =
             parameters.spectrum.memory_limit.filter(|&limit| possible && estimate.memory_bytes > limit);
         if let Some(limit) = limit {

@@ -105,13 +105,10 @@ impl VolumeFile {
     /// [`ResultsError::File`], [`ResultsError::Volume`], [`ResultsError::Placement`], naming the file.
     pub fn read(path: &Path, options: &ShapeOptions) -> Result<Self, ResultsError> {
         options.placement.validate()?;
+        // First, so that what is refused is refused at once.
+        let loaded = read_volume(path, options.limits())?;
         let (sha256, bytes) = file_sha256(path)?;
-        let file = Self {
-            path: path.to_owned(),
-            sha256: Some(sha256),
-            bytes: Some(bytes),
-            loaded: read_volume(path, options.limits())?,
-        };
+        let file = Self { path: path.to_owned(), sha256: Some(sha256), bytes: Some(bytes), loaded };
         file.placed(options)
     }
 

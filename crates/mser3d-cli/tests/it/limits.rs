@@ -257,7 +257,8 @@ fn work_that_takes_too_long_ends_with_an_error() {
     let path = |name: &str| folder.path().join(name);
     fs::copy(fixtures().join("human_rest.off"), path("human.off")).unwrap();
     fs::copy(fixtures().join("human.glb"), path("human.glb")).unwrap();
-    let noise = |x: usize, y: usize, z: usize| (x * 7919 ^ y * 104_729 ^ z * 1_299_709) % 5 == 0;
+    let noise =
+        |x: usize, y: usize, z: usize| ((x * 7919) ^ (y * 104_729) ^ (z * 1_299_709)).is_multiple_of(5);
     fs::write(path("grey.npy"), npy([200, 200, 200], noise)).unwrap();
     for words in [
         "detect @human.off -o @o --voxels 400000 --memory-limit 100000",
@@ -318,7 +319,7 @@ fn files_that_a_file_names_lie_in_its_folder() {
     fs::write(path("in/list.txt"), "\n../box.off\n").unwrap();
     let small = "--voxels 300 --eigenpairs 20 --reliability 0 --stability-rule baseline";
     for words in [
-        format!("detect @in/a.nhdr -o @a --eigenpairs 20 --reliability 0 --stability-rule baseline"),
+        "detect @in/a.nhdr -o @a --eigenpairs 20 --reliability 0 --stability-rule baseline".to_owned(),
         "inspect @in/a.nhdr".to_owned(),
         format!("batch @in/list.txt -o @b {small}"),
     ] {
