@@ -1,4 +1,5 @@
 use crate::FileError;
+use crate::folder::put_on_disk;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
@@ -34,6 +35,9 @@ pub fn file_stem(path: &Path) -> String {
 /// Writes a file so that nobody ever sees half of it: into a temporary file of the same folder,
 /// which takes the name when it is complete. After an error or a crash, what was at `path` before
 /// is still there. (A process that is killed leaves `.NAME.*.partial` behind.)
+///
+/// A file that takes another's place is on the disk before it does: after a power loss, the old one or the new one is
+/// there. One that takes no other's place may be gone then, or cut short.
 ///
 /// A link is followed, and stays. What is no file, such as a pipe or `/dev/stdout`, is written to as it is.
 ///
@@ -78,6 +82,9 @@ pub fn write_atomically(
         write(&mut out)?;
         out.flush()?;
         drop(out);
+        if there.is_some() {
+            put_on_disk(file.as_file())?;
+        }
         file.persist(path).map_err(|e| e.error)?;
         Ok(())
     };

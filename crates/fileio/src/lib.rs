@@ -3,6 +3,7 @@
 //! * [`write_atomically`] and [`write_text`] write to the side and rename: nobody ever sees half of a file.
 //! * [`read_npy`] and [`write_npy`] read and write one array, [`read_npz`] and [`write_npz`] several with
 //!   names. The same arrays make the same bytes.
+//! * [`FolderLock`] keeps other processes out of a folder, and [`sync_folder`] waits until one is on the disk.
 //!
 //! A damaged file ends in a [`FileError`] that names the file, never in a panic. Memory is bounded by the
 //! size of the file, not by what its header promises.
@@ -31,11 +32,13 @@
 
 mod error;
 mod file;
+mod folder;
 mod npy;
 mod npz;
 
 pub use error::FileError;
 pub use file::{Writing, file_stem, is_writing, read_bytes, write_atomically, write_text};
+pub use folder::{FolderLock, sync_folder, sync_names};
 pub use npy::{NpyArray, NpyValues, read_npy, write_npy};
 pub use npz::{read_npz, write_npz};
 
