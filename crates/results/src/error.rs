@@ -58,6 +58,42 @@ pub enum ResultsError {
         /// What is wrong.
         reason: String,
     },
+    /// A file is not what was written.
+    #[error(
+        "{}: damaged: {what}; run again what wrote it (`mser3d detect`, `msv`, `batch` or `track`), or, if it was changed on \
+         purpose, remove checksums.json beside it",
+        path.display()
+    )]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// How that is known.
+        what: String,
+    },
+    /// A folder that another process writes to.
+    #[error(
+        "{}: another run is writing to this folder; wait until it is done, or choose another with -o",
+        folder.display()
+    )]
+    Busy {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// More memory than there is.
+    #[error(
+        "{}: {what} needs {bytes} bytes of memory, and {available} are available; use a machine with more",
+        path.display()
+    )]
+    TooLarge {
+        /// The file or folder.
+        path: PathBuf,
+        /// What needs it.
+        what: String,
+        /// How much.
+        bytes: u64,
+        /// How much there is.
+        available: u64,
+    },
     /// The ending belongs to no known format.
     #[error("{source}; of volumes {}", mser3d_volumeio::VolumeFormat::LIST)]
     UnknownFormat {

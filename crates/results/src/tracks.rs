@@ -7,7 +7,7 @@ use mser3d_shape::InvalidParameter;
 use serde::{Deserialize, Serialize};
 
 use crate::load::parse;
-use crate::{FORMAT, ResultsError};
+use crate::{Checksums, FORMAT, ResultsError};
 
 /// How regions are followed through a sequence.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -153,11 +153,16 @@ impl TracksRecord {
     /// Reads the file in a folder.
     ///
     /// # Errors
-    /// [`ResultsError::Io`], [`ResultsError::OtherFormat`], [`ResultsError::Broken`].
+    /// [`ResultsError::Io`], [`ResultsError::OtherFormat`], [`ResultsError::Damaged`], [`ResultsError::Broken`].
     pub fn load(folder: &Path) -> Result<Self, ResultsError> {
         let path = folder.join(Self::FILE);
         let text = std::fs::read(&path).map_err(|error| ResultsError::Io { path: path.clone(), error })?;
-        parse(&path, &text, FORMAT)
+        Checksums::load(folder)?.check(folder, Self::FILE)?;
+        let record: Self = parse(&path, &text, FORMAT)?;
+        match record.check() {
+            Ok(()) => Ok(record),
+            Err(reason) => Err(ResultsError::Broken { path, reason }),
+        }
     }
 
     /// Writes the file into a folder.
