@@ -1,15 +1,17 @@
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use mser3d::Parameters;
 use mser3d_fileio::file_stem;
 use mser3d_meshio::{AnimationInfo, MeshFormat, ReadOptions, list_animations};
-use mser3d_results::{ResultsError, ShapeFile, ShapeOptions, VolumeFile};
+use mser3d_results::{Checksums, ResultsError, ShapeFile, ShapeOptions, VolumeFile};
 use mser3d_shape::InvalidParameter;
 use mser3d_volumeio::{BodyParameters, LabelCount, VolumeFormat};
 
 use crate::CollectionError;
+use crate::folder::TABLES;
+use crate::track::TRACK_FILES;
 
 /// One shape of a batch.
 #[derive(Clone, Debug, PartialEq)]
@@ -102,7 +104,7 @@ pub fn plan(inputs: &[PathBuf], parameters: &PlanParameters) -> Result<Plan, Col
     for input in inputs {
         paths.extend(expand(input, parameters.recursive)?);
     }
-    let mut seen = std::collections::HashSet::new();
+    let mut seen = HashSet::new();
     paths.retain(|path| seen.insert(path.canonicalize().unwrap_or_else(|_| path.clone())));
     let mut plan = Plan::default();
     for (path, name) in paths.iter().zip(names(&paths)) {
@@ -255,7 +257,7 @@ pub(crate) fn find_animation(path: &Path, named: Option<&str>) -> Result<Animati
     }
 }
 
-/// A name for each path: as few of its last parts as tell it from the others.
+/// A name for each path: as few of its last parts as tell it from the others, and from the files of a collection.
 pub(crate) fn names(paths: &[PathBuf]) -> Vec<String> {
     let candidate = |path: &Path, level: usize| {
         let own = if level == 0 {
@@ -270,10 +272,12 @@ pub(crate) fn names(paths: &[PathBuf]) -> Vec<String> {
         name
     };
     let depth = paths.iter().map(|p| p.components().count()).max().unwrap_or(0);
+    let files =
+        || TABLES.iter().chain(&TRACK_FILES).chain([&Checksums::FILE]).map(|name| name.to_lowercase());
     let mut levels = vec![0; paths.len()];
     let mut names: Vec<String> = paths.iter().map(|p| candidate(p, 0)).collect();
     for _ in 0..=depth {
-        let mut uses: HashMap<String, usize> = HashMap::new();
+        let mut uses: HashMap<String, usize> = files().map(|name| (name, 1)).collect();
         names.iter().for_each(|name| *uses.entry(name.to_lowercase()).or_default() += 1);
         for number in 0..paths.len() {
             if uses[&names[number].to_lowercase()] > 1 {
@@ -283,7 +287,7 @@ pub(crate) fn names(paths: &[PathBuf]) -> Vec<String> {
         }
     }
     // Paths such as a/x.off and ../a/x.off may still share a name.
-    let mut taken = std::collections::HashSet::new();
+    let mut taken: HashSet<String> = files().collect();
     for name in &mut names {
         let first = name.clone();
         let mut number = 2;
@@ -373,6 +377,22 @@ mod tests {
         assert_eq!(named(&["x.off", "../x.off"]), ["x.off", "x.off-2"]);
         assert_eq!(named(&["a/.off", ".."]), ["_off", "shape"]);
         assert_eq!(named(&["a/ct.nii.gz", "b.seg.nrrd"]), ["ct", "b.seg"]);
+    }
+
+    #[test]
+    fn no_result_takes_the_name_of_a_table() {
+        let files = ["regions.parquet.off", "Shapes.PARQUET.obj", "failures.json.off", "tracks.json.off"];
+        assert_eq!(named(&files), files);
+        for (table, path) in TABLES.iter().chain(&TRACK_FILES).map(|table| (table, format!("a/{table}.off")))
+        {
+            assert_eq!(named(&[&path]), [format!("{table}.off")]);
+        }
+        // Whatever the tables are called, a file without an ending may be called so too.
+        assert_eq!(named(&["labels.csv"]), ["labels"]);
+        assert_eq!(
+            named(&["x/labels.csv.off", "y/labels.csv.off"]),
+            ["x-labels.csv.off", "y-labels.csv.off"]
+        );
     }
 
     #[test]

@@ -71,7 +71,7 @@ impl ScheduledShape<'_> {
     pub fn examine(&self) -> Result<Need, CollectionError> {
         self.within(|shape| match shape.look(&|| self.job.read())? {
             Look::Through(outcome) => Ok(Need::Through(outcome)),
-            Look::ToDo(file) => {
+            Look::ToDo(file, _) => {
                 let estimate = guarded(|| Ok(shape.detector.parameters.estimate(&file.input(self.domain)?)));
                 match estimate {
                     Ok(estimate) => Ok(Need::Run(estimate)),
