@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use mser3d::{Detector, Parameters, ProgressFn};
 use mser3d_collection::{
-    BatchParameters, BatchSummary, CollectionError, Event, Frames, Job, Plan, PlanParameters, ScheduledShape,
-    Shard, Tables, build_tables, plan, run_batch,
+    BatchParameters, BatchSummary, CollectionError, CollectionFolder, DamagedShape, Event, Frames, Job, Plan,
+    PlanParameters, ScheduledShape, Shard, Tables, build_tables, plan, run_batch_in,
 };
 use mser3d_meshio::ReadOptions;
 use mser3d_results::{ShapeFile, ShapeOptions};
@@ -147,7 +147,8 @@ pub(crate) fn run(args: &BatchArgs) -> Result<(), CliError> {
         extras: args.many.write.clone(),
         shard,
     };
-    let summary = run_plan(&args.many.run, &args.options, &args.output, &plan, parameters, &batch)?;
+    let folder = CollectionFolder::open(&args.output, batch.shard)?;
+    let summary = run_plan(&args.many.run, &args.options, &folder, &plan, parameters, &batch)?;
     tell(&args.many.run, args.json, &args.output, &plan, &summary)
 }
 
@@ -155,7 +156,7 @@ pub(crate) fn run(args: &BatchArgs) -> Result<(), CliError> {
 pub(crate) fn run_plan(
     run: &RunOptions,
     options: &RegionOptions,
-    output: &Path,
+    folder: &CollectionFolder,
     plan: &Plan,
     parameters: Parameters,
     batch: &BatchParameters,
@@ -163,7 +164,7 @@ pub(crate) fn run_plan(
     let meter = BatchMeter::new(run.quiet);
     let detector = Detector::new(parameters);
     let (heard, warn) = (|event: Event| meter.report(&event), |what: &str| meter.warn(what));
-    let summary = run_detector(options, output, plan, &detector, batch, (&heard, &warn));
+    let summary = run_detector(options, folder, plan, &detector, batch, (&heard, &warn));
     meter.finish();
     summary
 }
@@ -174,7 +175,7 @@ pub(crate) type Listeners<'a> = (&'a (dyn Fn(Event) + Sync), &'a (dyn Fn(&str) +
 /// Runs a plan with a detector that takes spectra from the cache, if there is one.
 pub(crate) fn run_detector(
     options: &RegionOptions,
-    output: &Path,
+    folder: &CollectionFolder,
     plan: &Plan,
     detector: &Detector,
     batch: &BatchParameters,
@@ -186,7 +187,7 @@ pub(crate) fn run_detector(
     if let Some(spectra) = &spectra {
         detector.spectra = spectra;
     }
-    Ok(run_batch(output, plan, options.domain(), &detector, batch, heard)?)
+    Ok(run_batch_in(folder, plan, options.domain(), &detector, batch, heard)?)
 }
 
 /// Says what became of all shapes.
@@ -197,7 +198,7 @@ pub(crate) fn tell(
     plan: &Plan,
     summary: &BatchSummary,
 ) -> Result<(), CliError> {
-    let BatchSummary { computed, kept, failed, tables } = summary;
+    let BatchSummary { computed, kept, damaged, failed, tables } = summary;
     if !run.quiet {
         for label in &plan.skipped {
             let (path, name) = (&label.path, label.name.as_deref().unwrap_or_default());
@@ -206,6 +207,9 @@ pub(crate) fn tell(
                 label.label, label.voxels
             );
         }
+    }
+    for DamagedShape { name, damage } in damaged {
+        eprintln!("mser3d: warning: {name}: computed again, because its result is damaged: {damage}");
     }
     if json {
         print_json(summary)?;
@@ -232,7 +236,9 @@ pub(crate) fn tell_failures(summary: &BatchSummary) -> Result<(), CliError> {
     if failed.is_empty() {
         return Ok(());
     }
-    let first = failed.iter().take(3).map(|f| format!("\n  {}: {}", f.name, f.error)).collect::<String>();
+    let kept_one = |kept: bool| if kept { " (its earlier result is kept)" } else { "" };
+    let first = failed.iter().take(3);
+    let first = first.map(|f| format!("\n  {}: {}{}", f.name, f.error, kept_one(f.kept))).collect::<String>();
     let more = if failed.len() > 3 { format!("\n  and {} more", failed.len() - 3) } else { String::new() };
     Err(CliError::Incomplete(format!(
         "{} of {} shapes failed; correct them and run again:{first}{more}",

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use mser3d::{Detector, Features, FieldSource, Parameters, ProgressFn};
-use mser3d_collection::{BatchParameters, Job, PlanParameters, plan, write_label_map};
+use mser3d_collection::{BatchParameters, CollectionFolder, Job, PlanParameters, plan, write_label_map};
 use mser3d_results::{Extra, FieldFile, Results, ResultsFolder, ShapeFile, ShapeOptions, Up, VolumeFile};
 
 use crate::batch::{self, run_plan};
@@ -206,7 +206,8 @@ fn all_labels(args: &DetectArgs, parameters: Parameters, volumes: ShapeOptions) 
         extras: args.write.clone(),
         shard: None,
     };
-    let summary = run_plan(&args.run, &args.options, &output, &plan, parameters, &batch)?;
+    let collection = CollectionFolder::open(&output, None)?;
+    let summary = run_plan(&args.run, &args.options, &collection, &plan, parameters, &batch)?;
     let on_grid = args.write.iter().any(|extra| [Extra::Nifti, Extra::Landmarks].contains(extra));
     if on_grid && summary.computed + summary.kept > 0 {
         let done = |job: &&Job| !summary.failed.iter().any(|f| f.name == job.name);

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use mser3d_results::Results;
+use mser3d_results::{Checksums, Results};
 
 use crate::error::CliError;
 use crate::output::{EXPORT, file};
@@ -27,5 +27,6 @@ pub fn run(args: &ExportArgs) -> Result<(), CliError> {
     for note in results.export(&args.output)? {
         eprintln!("mser3d: note: {}: {note}", args.output.display());
     }
-    Ok(())
+    // It may be a file of a result's folder.
+    Ok(Checksums::renew(&args.output)?)
 }

@@ -39,6 +39,7 @@ mod run_options;
 mod shell;
 mod table;
 mod track;
+mod verify;
 mod version;
 mod view;
 mod volume_options;
@@ -112,6 +113,8 @@ enum Command {
     Track(Box<track::TrackArgs>),
     /// Find the regions of a collection that are most like those of a shape
     Query(query::QueryArgs),
+    /// Check that results and collections are whole and as they were written
+    Verify(verify::VerifyArgs),
     /// Print completions for a shell
     #[command(
         after_help = "bash: mser3d completions bash > ~/.local/share/bash-completion/completions/mser3d"
@@ -175,6 +178,7 @@ pub fn main(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) ->
         Command::Batch(args) => batch::run(args),
         Command::Track(args) => track::run(args),
         Command::Query(args) => query::run(args),
+        Command::Verify(args) => verify::run(args),
         Command::Completions(args) => shell::completions(args),
         Command::Man(args) => shell::man(args),
     });

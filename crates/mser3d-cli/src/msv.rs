@@ -5,12 +5,13 @@ use std::path::PathBuf;
 use mser3d::comptree::{Contrast, MsvParameters};
 use mser3d::shape::Connectivity;
 use mser3d_results::msv::{MSV_RECORD, MsvResults, MsvSearchParameters};
-use mser3d_results::{ResultsError, ShapeOptions, VolumeFile};
+use mser3d_results::{ResultsError, ResultsFolder, ShapeOptions, VolumeFile};
 use mser3d_volumeio::{PlacementParameters, VolumeFormat, read_affine};
 
 use crate::choice::choice;
 use crate::error::{CliError, print};
 use crate::input::folder_beside;
+use crate::interrupt;
 use crate::numbers::positive;
 use crate::output::folder;
 use crate::voxel_options::triple;
@@ -118,12 +119,14 @@ pub(crate) fn run(args: &MsvArgs) -> Result<(), CliError> {
     }
     let file = VolumeFile::read(&args.input, &args.shape_options()?)?;
     let notes = file.loaded.notes.clone();
-    let found = args.find(file)?;
-    let folder = match &args.output {
+    let output = match &args.output {
         Some(folder) => folder.clone(),
         None => folder_beside(&args.input, &[MSV_RECORD])?,
     };
-    found.write(&folder)?;
+    let folder = ResultsFolder::create(&output)?;
+    interrupt::take_away(folder.made());
+    let found = args.find(file)?;
+    folder.write_msv(&found)?;
     if args.quiet {
         return Ok(());
     }

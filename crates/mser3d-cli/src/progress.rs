@@ -118,6 +118,7 @@ impl BatchMeter {
             let what = match outcome {
                 Outcome::Kept => "kept".to_owned(),
                 Outcome::Done => "done".to_owned(),
+                Outcome::Redone(_) => "done again".to_owned(),
                 Outcome::Failed(why) => format!("failed: {why}"),
             };
             let name = &event.job.name;

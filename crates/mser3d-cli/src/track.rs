@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use mser3d::{Detector, Progress, ProgressFn, Stage};
 use mser3d_collection::{
-    BatchParameters, BatchSummary, Event, Sampling, plan_sequence, share_parameters, track_glb, track_page,
-    track_pictures, track_results,
+    BatchParameters, BatchSummary, CollectionFolder, Event, Sampling, plan_sequence, share_parameters,
+    track_glb, track_page, track_pictures, track_results,
 };
 use mser3d_fileio::file_stem;
 use mser3d_meshio::ReadOptions;
@@ -133,7 +133,9 @@ impl TrackArgs {
             shard: None,
         };
         let detector = Detector::new(parameters).with_progress(progress);
-        let summary = run_detector(&self.options, &self.output, &plan, &detector, &batch, (heard, warn))?;
+        // To the end: what follows reads and writes the frames.
+        let collection = CollectionFolder::open(&self.output, None)?;
+        let summary = run_detector(&self.options, &collection, &plan, &detector, &batch, (heard, warn))?;
         // All frames have been searched by now.
         let told = Progress { stage: Stage::Parts, done: 1.0, overall: 1.0 };
         let goes_on = |_| progress(told).is_continue();

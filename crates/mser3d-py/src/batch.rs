@@ -185,7 +185,7 @@ type Said = (&'static str, Option<String>);
 fn said(outcome: Outcome) -> Said {
     match outcome {
         Outcome::Kept => ("kept", None),
-        Outcome::Done => ("done", None),
+        Outcome::Done | Outcome::Redone(_) => ("done", None),
         Outcome::Failed(why) => ("failed", Some(why)),
     }
 }
@@ -209,7 +209,10 @@ pub fn compute_shape(
     shape: Place,
     memory_limit: Option<u64>,
 ) -> PyResult<(Said, Vec<String>)> {
-    let (outcome, warnings) = on_shape(py, settings, shape, memory_limit, |shape| shape.run())?;
+    let (outcome, mut warnings) = on_shape(py, settings, shape, memory_limit, |shape| shape.run())?;
+    if let Outcome::Redone(what) = &outcome {
+        warnings.push(format!("computed again, because the result is damaged: {what}"));
+    }
     Ok((said(outcome), warnings))
 }
 

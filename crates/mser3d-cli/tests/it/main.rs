@@ -21,3 +21,5 @@ mod track;
 mod volumes;
 mod voxelize;
 mod weights;
+#[cfg(unix)]
+mod whole;
