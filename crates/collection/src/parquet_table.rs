@@ -254,7 +254,7 @@ impl Table {
 }
 
 fn broken(path: &Path, what: &str) -> CollectionError {
-    let reason = format!("{what}; make the tables again with `mser3d batch --merge`");
+    let reason = format!("{what}; run `mser3d batch` again, or `mser3d batch --merge` for the tables alone");
     CollectionError::Table { path: path.to_owned(), reason }
 }
 
