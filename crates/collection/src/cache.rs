@@ -32,7 +32,7 @@ pub enum CacheUse {
 }
 
 /// Changes whenever the same parameters would give another spectrum or its file another layout.
-const GENERATION: &str = concat!("mser3d spectrum 2, version ", env!("CARGO_PKG_VERSION"));
+const GENERATION: &str = concat!("mser3d spectrum 3, version ", env!("CARGO_PKG_VERSION"));
 
 impl SpectrumCache {
     /// A cache in a folder, which is made if it is not there.
@@ -61,9 +61,13 @@ impl SpectrumCache {
             Err(trouble) => trouble,
         };
         let spectrum = shape.spectrum(parameters, progress)?;
-        let written = write(&path, &key, &spectrum);
         let trouble = trouble.map(|t| format!("{t}; computed again"));
-        let trouble = trouble.or(written.err().map(|e| format!("the spectrum is not kept: {e}")));
+        // What is no file, such as a pipe, stays as it is.
+        let written = match path.is_file() || !path.exists() {
+            true => write(&path, &key, &spectrum).err().map(|e| e.to_string()),
+            false => Some(format!("{}: something is in its place", path.display())),
+        };
+        let trouble = trouble.or(written.map(|e| format!("the spectrum is not kept: {e}")));
         Ok((spectrum, trouble.map_or(CacheUse::Stored, CacheUse::Trouble)))
     }
 

@@ -1,5 +1,6 @@
 //! Spectra as facts of the field, and how the crate is used.
 
+mod choice;
 mod counts;
 mod odd;
 mod semidefinite;
