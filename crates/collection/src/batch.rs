@@ -132,7 +132,10 @@ pub fn run_batch(
     };
     std::thread::scope(|scope| {
         for _ in 1..parameters.workers.min(jobs.len()) {
-            scope.spawn(worker);
+            // Where the system gives no more threads, those that are there do all the work.
+            if std::thread::Builder::new().spawn_scoped(scope, worker).is_err() {
+                break;
+            }
         }
         worker();
     });

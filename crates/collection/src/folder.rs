@@ -2,6 +2,8 @@ use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use mser3d_fileio::Unfinished;
+
 use crate::label_tables::{LABELS, REGIONS};
 use crate::{CollectionError, Shard};
 
@@ -69,33 +71,36 @@ impl CollectionFolder {
     }
 
     /// An empty hidden folder to write a result into.
-    pub fn begin(&self, name: &str) -> Result<PathBuf, CollectionError> {
+    pub fn begin(&self, name: &str) -> Result<Unfinished, CollectionError> {
         let partial = match &self.writer {
             None => self.path.join(format!(".{name}.partial")),
             Some(writer) => self.path.join(format!(".{name}.{writer}.partial")),
         };
         remove_folder(&partial)?;
         remove_folder(&self.path.join(format!(".{name}.old")))?;
-        fs::create_dir(&partial).map_err(CollectionError::io(&partial))?;
-        Ok(partial)
+        let made = Unfinished::make(|| Ok((partial.clone(), fs::create_dir(&partial)?)));
+        let (unfinished, ()) = made.map_err(CollectionError::io(&partial))?;
+        Ok(unfinished)
     }
 
     /// Gives a hidden folder its name, in place of the result before it.
-    pub fn publish(&self, name: &str, partial: &Path) -> Result<(), CollectionError> {
+    pub fn publish(&self, name: &str, partial: Unfinished) -> Result<(), CollectionError> {
         let (result, old) = (self.result(name), self.path.join(format!(".{name}.old")));
-        if result.exists() {
-            if !is_ours(&result) {
-                return Err(CollectionError::NotACollection {
-                    folder: result,
-                    problem:
-                        "is in the way and no result of a batch; move it, or give another folder with -o"
-                            .to_owned(),
-                });
-            }
-            fs::rename(&result, &old).map_err(CollectionError::io(&result))?;
+        if result.exists() && !is_ours(&result) {
+            return Err(CollectionError::NotACollection {
+                folder: result,
+                problem: "is in the way and no result of a batch; move it, or give another folder with -o"
+                    .to_owned(),
+            });
         }
-        fs::rename(partial, &result).map_err(CollectionError::io(&result))?;
-        remove_folder(&old)
+        let swap = |partial: &Path| {
+            if result.exists() {
+                fs::rename(&result, &old)?;
+            }
+            fs::rename(partial, &result)?;
+            ignore_missing(fs::remove_dir_all(&old))
+        };
+        partial.finish(swap).map_err(CollectionError::io(&result))
     }
 
     /// Removes what batches that were killed left behind.
@@ -194,13 +199,15 @@ mod tests {
         let folder = CollectionFolder::open(root.path(), None).unwrap();
         for text in ["first", "second"] {
             let partial = folder.begin("a").unwrap();
-            fs::write(partial.join("regions.json"), text).unwrap();
-            fs::write(partial.join(text), "").unwrap();
-            folder.publish("a", &partial).unwrap();
+            fs::write(partial.path().join("regions.json"), text).unwrap();
+            fs::write(partial.path().join(text), "").unwrap();
+            folder.publish("a", partial).unwrap();
             assert_eq!(fs::read_to_string(root.path().join("a/regions.json")).unwrap(), text);
         }
         assert!(!root.path().join("a/first").exists());
-        folder.begin("b").unwrap();
+        assert!(folder.begin("b").unwrap().path().is_dir());
+        assert!(!root.path().join(".b.partial").exists(), "what is given up goes");
+        fs::create_dir(root.path().join(".b.partial")).unwrap();
         folder.sweep().unwrap();
         assert_eq!(fs::read_dir(root.path()).unwrap().count(), 2, "a and the lock");
     }
@@ -212,7 +219,7 @@ mod tests {
         fs::create_dir(root.path().join("a")).unwrap();
         fs::write(root.path().join("a/notes.txt"), "mine").unwrap();
         let partial = folder.begin("a").unwrap();
-        let error = folder.publish("a", &partial).unwrap_err().to_string();
+        let error = folder.publish("a", partial).unwrap_err().to_string();
         assert!(error.contains("in the way"), "{error}");
         assert_eq!(fs::read_to_string(root.path().join("a/notes.txt")).unwrap(), "mine");
     }

@@ -106,7 +106,7 @@ pub fn plan(inputs: &[PathBuf], parameters: &PlanParameters) -> Result<Plan, Col
     paths.retain(|path| seen.insert(path.canonicalize().unwrap_or_else(|_| path.clone())));
     let mut plan = Plan::default();
     for (path, name) in paths.iter().zip(names(&paths)) {
-        let is_volume = VolumeFormat::of(path).is_some();
+        let is_volume = parameters.volumes.volume_format(path).is_some();
         let options = if is_volume { parameters.volumes.clone() } else { ShapeOptions::default() };
         let job = Job { name, path: path.clone(), options, parameters: None };
         match &parameters.frames {

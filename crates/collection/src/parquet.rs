@@ -4,7 +4,7 @@ use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 
-use mser3d_fileio::write_atomically;
+use mser3d_fileio::{InputFile, write_atomically};
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int32Type};
 use parquet::errors::ParquetError;
@@ -147,7 +147,10 @@ pub(crate) struct Table {
 
 impl Table {
     pub fn open(path: &Path) -> Result<Self, CollectionError> {
-        let file = File::open(path).map_err(CollectionError::io(path))?;
+        let file = match InputFile::open(path).map_err(CollectionError::io(path))? {
+            InputFile::Regular(file) => file,
+            InputFile::Stdin(_) => unreachable!("no table has this name"),
+        };
         let file = SerializedFileReader::new(file).map_err(table_error(path))?;
         Ok(Self { path: path.to_owned(), file })
     }

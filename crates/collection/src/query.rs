@@ -187,7 +187,7 @@ impl Index {
 
     fn nearest_to(&self, query: &[f64], count: usize, but: Option<&str>) -> Vec<Hit> {
         // The nearest so far, in order; short, so sorting in is cheap.
-        let mut best: Vec<(f64, usize)> = Vec::with_capacity(count + 1);
+        let mut best: Vec<(f64, usize)> = Vec::with_capacity(count.min(self.len()) + 1);
         for (number, row) in self.descriptors.rows().enumerate() {
             let distance: f64 = row.iter().zip(query).map(|(a, b)| (a - b) * (a - b)).sum();
             let full = best.len() == count;

@@ -85,17 +85,20 @@ impl ShapeRun<'_> {
             };
             let features = self.detector.clone().with_progress(&told).detect(input)?;
             let results = Results::of_file(&features, &file)?.with_extras(&features, self.extras);
-            ResultsFolder::create(&partial)?.write(&results, self.extras)?;
+            ResultsFolder::create(partial.path())?.write(&results, self.extras)?;
             drop(share);
             Ok(())
         });
         match done {
             Ok(()) => {
-                self.folder.publish(&self.job.name, &partial)?;
+                self.folder.publish(&self.job.name, partial)?;
                 Ok(Outcome::Done)
             }
             Err(Trouble::Detect(mser3d::Error::Cancelled)) => Err(CollectionError::Cancelled),
-            Err(why) => self.fail(why.to_string()),
+            Err(why) => {
+                drop(partial);
+                self.fail(why.to_string())
+            }
         }
     }
 
@@ -103,11 +106,11 @@ impl ShapeRun<'_> {
     pub fn fail(&self, why: String) -> Result<Outcome, CollectionError> {
         self.folder.remove_tables()?;
         let partial = self.folder.begin(&self.job.name)?;
-        let path = partial.join("failure.json");
+        let path = partial.path().join("failure.json");
         let json = serde_json::to_string_pretty(&Failure::new(self.job, why.clone()));
         let json = json.map_err(|e| CollectionError::io(&path)(e.into()))?;
         write_text(&path, &(json + "\n"))?;
-        self.folder.publish(&self.job.name, &partial)?;
+        self.folder.publish(&self.job.name, partial)?;
         Ok(Outcome::Failed(why))
     }
 }

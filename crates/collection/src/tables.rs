@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use mser3d::spectral::EigenpairRange;
-use mser3d_fileio::{NpyValues, read_npz, write_text};
+use mser3d_fileio::{InputFile, NpyValues, read_npz, write_text};
 use mser3d_results::{Record, ResultsError, sidedness_certainty, sidedness_kind};
 use serde::Serialize;
 
@@ -67,7 +67,7 @@ pub(crate) fn build(folder: &CollectionFolder, skipped: &[SkippedLabel]) -> Resu
     for name in names {
         let result = folder.result(&name);
         let failure = result.join("failure.json");
-        if let Ok(text) = std::fs::read(&failure) {
+        if let Ok(text) = InputFile::read_all(&failure) {
             let broken = |e: serde_json::Error| ResultsError::Broken { path: failure, reason: e.to_string() };
             failures.push(serde_json::from_slice::<Failure>(&text).map_err(broken)?);
             continue;

@@ -1,6 +1,8 @@
 //! Files written whole or not at all, and NumPy's arrays.
 //!
 //! * [`write_atomically`] and [`write_text`] write to the side and rename: nobody ever sees half of a file.
+//! * [`Unfinished`] is a file or a folder that is being made; a program that is told to stop takes all of them away by
+//!   [`abandon`].
 //! * [`read_npy`] and [`write_npy`] read and write one array, [`read_npz`] and [`write_npz`] several with
 //!   names. The same arrays make the same bytes.
 //!
@@ -31,13 +33,17 @@
 
 mod error;
 mod file;
+mod input;
 mod npy;
 mod npz;
+mod unfinished;
 
 pub use error::FileError;
-pub use file::{Writing, file_stem, is_writing, read_bytes, write_atomically, write_text};
+pub use file::{file_stem, read_bytes, write_atomically, write_text};
+pub use input::{InputFile, STDIN, take_stdin};
 pub use npy::{NpyArray, NpyValues, read_npy, write_npy};
 pub use npz::{read_npz, write_npz};
+pub use unfinished::{Unfinished, Writing, abandon};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

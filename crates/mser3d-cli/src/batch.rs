@@ -12,6 +12,8 @@ use mser3d_results::{ShapeFile, ShapeOptions};
 
 use crate::error::{CliError, print, print_json};
 use crate::input::reading;
+use crate::interrupt;
+use crate::message;
 use crate::options::RegionOptions;
 use crate::output::folder;
 use crate::progress::BatchMeter;
@@ -160,8 +162,10 @@ pub(crate) fn run_plan(
     parameters: Parameters,
     batch: &BatchParameters,
 ) -> Result<BatchSummary, CliError> {
+    interrupt::keeps_what_is_done();
     let meter = BatchMeter::new(run.quiet);
-    let detector = Detector::new(parameters);
+    let stop = |_| interrupt::go_on();
+    let detector = Detector::new(parameters).with_progress(&stop);
     let (heard, warn) = (|event: Event| meter.report(&event), |what: &str| meter.warn(what));
     let summary = run_detector(options, output, plan, &detector, batch, (&heard, &warn));
     meter.finish();
@@ -201,16 +205,16 @@ pub(crate) fn tell(
     if !run.quiet {
         for label in &plan.skipped {
             let (path, name) = (&label.path, label.name.as_deref().unwrap_or_default());
-            eprintln!(
-                "mser3d: note: {path}: label {} {name} has only {} voxels and was left out",
+            message::tell(&format!(
+                "note: {path}: label {} {name} has only {} voxels and was left out",
                 label.label, label.voxels
-            );
+            ));
         }
     }
     if json {
         print_json(summary)?;
     } else if !run.quiet {
-        let folder = output.display();
+        let folder = message::name(&output.to_string_lossy());
         let tables = match tables {
             Some(Tables { shapes, regions, failures }) => format!(
                 "{folder} has {regions} regions of {shapes} shapes in regions.parquet and shapes.parquet, \

@@ -9,8 +9,9 @@ use mser3d_results::{Extra, FieldFile, Results, ResultsFolder, ShapeFile, ShapeO
 use crate::batch::{self, run_plan};
 use crate::choice::choice;
 use crate::error::{CliError, print};
-use crate::input::{InputArgs, folder_beside};
+use crate::input::{InputArgs, folder_beside, take_input};
 use crate::interrupt;
+use crate::message::tell;
 use crate::options::RegionOptions;
 use crate::output::folder;
 use crate::progress::Meter;
@@ -58,7 +59,8 @@ impl DetectArgs {
     /// # Errors
     /// [`CliError::Usage`] for values out of range, [`CliError::Volume`] for files beside the shape's.
     pub fn shape_options(&self) -> Result<ShapeOptions, CliError> {
-        self.options.shape(&self.volume, self.input.pose())
+        let options = self.options.shape(&self.volume, self.input.pose())?;
+        Ok(ShapeOptions { format: self.input.format.format, ..options })
     }
 
     /// The file of the shape.
@@ -159,7 +161,7 @@ pub(crate) fn run(args: &DetectArgs) -> Result<(), CliError> {
     folder.write(&results, &args.write)?;
     tracing::info!(folder = %output.display(), "wrote");
     if !args.run.quiet {
-        let warn = |what: &String| eprintln!("mser3d: warning: {}: {what}", file.path.display());
+        let warn = |what: &String| tell(&format!("warning: {}: {what}", file.path.display()));
         results.record.warnings.iter().for_each(warn);
     }
     if args.html {
@@ -186,7 +188,7 @@ fn all_labels(args: &DetectArgs, parameters: Parameters, volumes: ShapeOptions) 
             "--html and --surface are for one shape; view each label's folder with mser3d view".into(),
         ));
     }
-    let file = &args.input.input;
+    let file = &take_input(&args.input.input)?;
     if let Some(option) = args.options.voxels.first_given() {
         return Err(CliError::Usage(format!("{option} needs a mesh; a volume is voxels already")));
     }
@@ -213,9 +215,9 @@ fn all_labels(args: &DetectArgs, parameters: Parameters, volumes: ShapeOptions) 
         let shapes: Vec<String> = plan.jobs.iter().filter(done).map(|job| job.name.clone()).collect();
         let contested = write_label_map(&output, &shapes)?;
         if contested > 0 && !args.run.quiet {
-            eprintln!(
-                "mser3d: warning: {contested} voxels are in regions of several layers; regions.nii.gz has the last"
-            );
+            tell(&format!(
+                "warning: {contested} voxels are in regions of several layers; regions.nii.gz has the last"
+            ));
         }
     }
     batch::tell(&args.run, args.json, &output, &plan, &summary)

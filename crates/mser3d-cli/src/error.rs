@@ -7,6 +7,8 @@ use mser3d_results::ResultsError;
 use mser3d_viewer::ViewerError;
 use mser3d_volumeio::BodyError;
 
+use crate::message::shown;
+
 /// Why a command failed. Displayed as one line on stderr.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -95,9 +97,9 @@ impl CliError {
     }
 }
 
-/// Writes to standard output.
+/// Writes to standard output, as it may be shown.
 pub fn print(text: &str) -> Result<(), CliError> {
-    std::io::stdout().lock().write_all(text.as_bytes()).map_err(CliError::Stdout)
+    std::io::stdout().lock().write_all(shown(text).as_bytes()).map_err(CliError::Stdout)
 }
 
 /// Writes a value to standard output as JSON.

@@ -2,10 +2,10 @@
 
 use mser3d::Parameters;
 use mser3d::voxelize::Pitch;
-use mser3d_results::Inspection;
+use mser3d_results::{Inspection, ShapeOptions};
 
 use crate::error::{CliError, print, print_json};
-use crate::input::{InputArgs, reading};
+use crate::input::{InputArgs, reading, take_input};
 use crate::numbers::count;
 use crate::volume_options::VolumeOptions;
 
@@ -35,6 +35,8 @@ pub fn run(args: &InspectArgs) -> Result<(), CliError> {
         parameters.spectrum.eigenpairs = eigenpairs.into();
     }
     let options = args.volume.shape(args.input.pose(), None, None)?;
-    let inspection = Inspection::of_file(&args.input.input, &options, &parameters).map_err(reading)?;
+    let options = ShapeOptions { format: args.input.format.format, ..options };
+    let inspection =
+        Inspection::of_file(&take_input(&args.input.input)?, &options, &parameters).map_err(reading)?;
     if args.json { print_json(&inspection) } else { print(&inspection.describe()) }
 }

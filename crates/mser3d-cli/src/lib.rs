@@ -28,6 +28,7 @@ mod inspect;
 mod interrupt;
 mod log;
 mod matching;
+mod message;
 mod msv;
 mod numbers;
 mod options;
@@ -57,8 +58,9 @@ pub use render::RenderArgs;
 pub use track::TrackArgs;
 pub use voxelize::VoxelizeArgs;
 
+use std::borrow::Cow;
 use std::ffi::OsString;
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Write};
 
 use clap::{ArgAction, Args, CommandFactory, Parser, Subcommand};
 
@@ -149,20 +151,40 @@ pub fn parse<A: Args>(
     })
 }
 
+/// Stack of the thread that does what the command says, in bytes: what systems give the first thread of a program, where
+/// nobody has limited it (`ulimit -s`).
+const STACK: usize = 8 << 20;
+
 /// The command `mser3d`, with its arguments from its own name on: does what they say and returns the exit code, 0 for
-/// success, 1 for failure, 2 for wrong use, 130 for interrupted.
+/// success, 1 for failure, 2 for wrong use, 130 and 143 when it was interrupted by SIGINT and SIGTERM.
 ///
 /// From now on signals to stop end the process.
 pub fn main(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> u8 {
+    interrupt::listen();
+    let arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
+    std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().name("mser3d".into()).stack_size(STACK);
+        match thread.spawn_scoped(scope, || run(&arguments)) {
+            // As a program ends that has panicked, which has said why.
+            Ok(thread) => thread.join().unwrap_or(101),
+            Err(_) => run(&arguments),
+        }
+    })
+}
+
+fn run(arguments: &[OsString]) -> u8 {
     let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
         Err(error) => {
-            // Help and versions are no failures; a closed pipe is none either.
-            let _ = error.print();
+            // Help and versions are no failures; a closed pipe is none either. What a user wrote is in errors.
+            let text = error.to_string();
+            let _ = match message::shown(&text) {
+                Cow::Owned(text) => std::io::stderr().lock().write_all(text.as_bytes()),
+                Cow::Borrowed(_) => error.print(),
+            };
             return u8::try_from(error.exit_code()).unwrap_or(2);
         }
     };
-    interrupt::listen();
     let result = log::start(cli.verbose).and_then(|()| match &cli.command {
         Command::Detect(args) => detect::run(args),
         Command::Inspect(args) => inspect::run(args),
@@ -178,12 +200,16 @@ pub fn main(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) ->
         Command::Completions(args) => shell::completions(args),
         Command::Man(args) => shell::man(args),
     });
-    match result {
-        Ok(()) => 0,
+    match (result, interrupt::exit_code()) {
+        (Ok(()), _) => 0,
         // Who closed the pipe, as `head` does, has read enough.
-        Err(CliError::Stdout(error)) if error.kind() == ErrorKind::BrokenPipe => 0,
-        Err(error) => {
-            eprintln!("mser3d: {error}");
+        (Err(CliError::Stdout(error)), _) if error.kind() == ErrorKind::BrokenPipe => 0,
+        (Err(_), Some(code)) => {
+            interrupt::say();
+            code
+        }
+        (Err(error), None) => {
+            message::tell(&error.to_string());
             error.exit_code()
         }
     }

@@ -1,16 +1,18 @@
 //! `mser3d msv`: maximally stable volumes of a grey-value volume or image (Donoser and Bischof 2006).
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use mser3d::comptree::{Contrast, MsvParameters};
 use mser3d::shape::Connectivity;
+use mser3d_fileio::STDIN;
 use mser3d_results::msv::{MSV_RECORD, MsvResults, MsvSearchParameters};
 use mser3d_results::{ResultsError, ShapeOptions, VolumeFile};
 use mser3d_volumeio::{PlacementParameters, VolumeFormat, read_affine};
 
 use crate::choice::choice;
 use crate::error::{CliError, print};
-use crate::input::folder_beside;
+use crate::input::{FormatOption, folder_beside, take_input};
+use crate::message::tell;
 use crate::numbers::positive;
 use crate::output::folder;
 use crate::voxel_options::triple;
@@ -18,9 +20,12 @@ use crate::voxel_options::triple;
 /// What `mser3d msv` is told.
 #[derive(clap::Args, Clone, Debug)]
 pub struct MsvArgs {
-    /// Grey values: .npy ([x, y], [x, y, z] or [x, y, z, channel]), .nii, .nii.gz, .nrrd, .tif or .tiff
+    /// Grey values: .npy ([x, y], [x, y, z] or [x, y, z, channel]), .nii, .nii.gz, .nrrd, .tif or .tiff; - is standard
+    /// input
     #[arg(value_name = "VOLUME")]
     pub input: PathBuf,
+    #[command(flatten)]
+    pub(crate) format: FormatOption,
     /// Folder for msv.json, regions.csv, and labels.vti and labels.npy (a channel for each kind of region; the
     /// number of the smallest region, -1 for none); made if it isn't there [default: the volume's name]
     #[arg(short, long, value_name = "DIR", value_parser = folder())]
@@ -76,7 +81,7 @@ impl MsvArgs {
             origin: triple("--origin", &self.origin)?,
             affine: self.affine.as_deref().map(read_affine).transpose()?,
         };
-        Ok(ShapeOptions { placement, ..Default::default() })
+        Ok(ShapeOptions { placement, format: self.format.format, ..Default::default() })
     }
 
     /// Finds the regions of a volume.
@@ -112,22 +117,26 @@ impl MsvArgs {
 }
 
 pub(crate) fn run(args: &MsvArgs) -> Result<(), CliError> {
-    if VolumeFormat::of(&args.input).is_none() {
+    let options = args.shape_options()?;
+    let is_stdin = args.input == Path::new("-") || args.input == Path::new(STDIN);
+    if options.volume_format(&args.input).is_none() {
         let name = args.input.display();
-        return Err(CliError::Usage(format!("{name}: a volume is one of {}", VolumeFormat::LIST)));
+        let how = if is_stdin || options.format.is_some() { "; say which with --format" } else { "" };
+        return Err(CliError::Usage(format!("{name}: a volume is one of {}{how}", VolumeFormat::LIST)));
     }
-    let file = VolumeFile::read(&args.input, &args.shape_options()?)?;
+    let input = take_input(&args.input)?;
+    let file = VolumeFile::read(&input, &options)?;
     let notes = file.loaded.notes.clone();
     let found = args.find(file)?;
     let folder = match &args.output {
         Some(folder) => folder.clone(),
-        None => folder_beside(&args.input, &[MSV_RECORD])?,
+        None => folder_beside(&input, &[MSV_RECORD])?,
     };
     found.write(&folder)?;
     if args.quiet {
         return Ok(());
     }
-    notes.iter().for_each(|note| eprintln!("mser3d: note: {}: {note}", args.input.display()));
+    notes.iter().for_each(|note| tell(&format!("note: {}: {note}", args.input.display())));
     let line = |search: &mser3d_results::msv::MsvSearch| {
         format!("{} regions: {}\n", search.contrast, search.regions.len())
     };

@@ -1,6 +1,5 @@
 //! `mser3d track`: regions followed through a sequence.
 
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use mser3d::{Detector, Progress, ProgressFn, Stage};
@@ -16,6 +15,7 @@ use crate::batch::{run_detector, tell_failures};
 use crate::choice::choice;
 use crate::error::{CliError, print, print_json};
 use crate::interrupt;
+use crate::message::{self, tell};
 use crate::numbers::{count, fraction, positive};
 use crate::options::RegionOptions;
 use crate::output::folder;
@@ -155,12 +155,13 @@ impl TrackArgs {
 pub(crate) fn run(args: &TrackArgs) -> Result<(), CliError> {
     args.many.run.use_threads()?;
     let meter = BatchMeter::new(args.many.run.quiet);
-    let stop = |_| if interrupt::is_requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    interrupt::keeps_what_is_done();
+    let stop = |_| interrupt::go_on();
     let found = args.find(&stop, &|event| meter.report(&event), &|what| meter.warn(what));
     meter.finish();
     let (tracks, summary) = found?;
     if !args.many.run.quiet {
-        let warn = |what: &String| eprintln!("mser3d: warning: {}: {what}", args.output.display());
+        let warn = |what: &String| tell(&format!("warning: {}: {what}", args.output.display()));
         tracks.warnings.iter().for_each(warn);
     }
     if args.json {
@@ -198,7 +199,7 @@ fn table(tracks: &TracksRecord, folder: &Path, summary: &BatchSummary) -> String
         ));
     }
     let BatchSummary { computed, kept, failed, .. } = summary;
-    let (frames, folder) = (tracks.frames.len(), folder.display());
+    let (frames, folder) = (tracks.frames.len(), message::name(&folder.to_string_lossy()));
     text.push_str(&format!(
         "{} tracks through {frames} frames ({computed} computed, {kept} kept, {} failed) in {folder}: tracks.json, \
          tracks.csv, tracks.parquet\n",

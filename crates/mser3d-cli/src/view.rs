@@ -2,13 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use mser3d_fileio::write_text;
+use mser3d_fileio::{STDIN, write_text};
 use mser3d_results::msv::MsvResults;
 use mser3d_results::{Results, ShapeOptions, Up, VolumeFile};
 use mser3d_volumeio::Volume;
 
 use crate::choice::choice;
 use crate::error::{CliError, print};
+use crate::message::{name, tell};
 use crate::output::{PAGE, file};
 
 #[derive(clap::Args)]
@@ -26,7 +27,7 @@ pub struct ViewArgs {
 pub fn run(args: &ViewArgs) -> Result<(), CliError> {
     let output = args.output.clone().unwrap_or_else(|| args.folder.join("view.html"));
     write_page(&args.folder, &output, args.up)?;
-    print(&format!("open {} in a browser\n", output.display()))
+    print(&format!("open {} in a browser\n", name(&output.to_string_lossy())))
 }
 
 /// Writes the page of a results folder.
@@ -36,7 +37,7 @@ pub fn write_page(folder: &Path, output: &Path, up: Up) -> Result<(), CliError> 
         let volume = match volume(&results) {
             Ok(volume) => Some(volume),
             Err(why) => {
-                eprintln!("mser3d: note: the grey values are not shown: {why}");
+                tell(&format!("note: the grey values are not shown: {why}"));
                 None
             }
         };
@@ -52,6 +53,9 @@ pub fn write_page(folder: &Path, output: &Path, up: Up) -> Result<(), CliError> 
 /// The volume that regions were found in, read again, or why it cannot be.
 fn volume(results: &MsvResults) -> Result<Volume, String> {
     let (record, path) = (&results.record, PathBuf::from(&results.record.volume));
+    if path == Path::new(STDIN) {
+        return Err("they came from standard input".into());
+    }
     let file = VolumeFile::read(&path, &ShapeOptions::default()).map_err(|e| e.to_string())?;
     let volume = file.loaded.grey(None).map_err(|e| format!("{}: {e}", path.display()))?;
     if (volume.dims(), volume.channels()) != (record.dims, record.channels) {

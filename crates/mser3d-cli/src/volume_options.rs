@@ -45,6 +45,7 @@ impl VolumeOptions {
         let label = self.label.as_deref().filter(|_| !self.all_labels());
         let label = label.map(|label| label.parse::<Label>().unwrap_or_else(|never| match never {}));
         let options = ShapeOptions {
+            format: None,
             pose,
             body: BodyParameters { volume: self.volume, label, threshold: self.threshold },
             placement: PlacementParameters {

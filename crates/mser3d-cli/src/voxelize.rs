@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use crate::error::{CliError, print, print_json};
 use crate::input::{InputArgs, output_beside};
+use crate::message::tell;
 use crate::output::{MASK, file};
 use crate::voxel_options::VoxelOptions;
 
@@ -35,7 +36,8 @@ impl VoxelizeArgs {
     /// # Errors
     /// [`CliError::Results`], [`CliError::Usage`] for a time or an animation that is none.
     pub fn read(&self) -> Result<ShapeFile, CliError> {
-        self.input.read(&ShapeOptions { pose: self.input.pose(), ..Default::default() })
+        let (pose, format) = (self.input.pose(), self.input.format.format);
+        self.input.read(&ShapeOptions { pose, format, ..Default::default() })
     }
 
     /// The neighbours of a voxel.
@@ -57,16 +59,16 @@ impl VoxelizeArgs {
 }
 
 pub(crate) fn run(args: &VoxelizeArgs) -> Result<(), CliError> {
-    let output = args.output.clone().unwrap_or_else(|| output_beside(&args.input.input, ".nii.gz"));
-    let write = if VolumeFormat::of(&output) == Some(VolumeFormat::Npy) { write_npy } else { write_nifti };
     // What is wrong with the parameters is said first.
     args.options.parameters()?;
     let file = args.read()?;
+    let output = args.output.clone().unwrap_or_else(|| output_beside(&file.path, ".nii.gz"));
+    let write = if VolumeFormat::of(&output) == Some(VolumeFormat::Npy) { write_npy } else { write_nifti };
     let solid = args.find(&file)?;
     let frame = solid.grid.frame();
     write(&output, &Volume::from_mask(solid.grid.occupancy(), frame.affine())?)?;
     for warning in &solid.warnings {
-        eprintln!("mser3d: warning: {}: {warning}", file.path.display());
+        tell(&format!("warning: {}: {warning}", file.path.display()));
     }
     if args.json { print_json(&Report::new(&solid)) } else { print(&describe(&solid)) }
 }

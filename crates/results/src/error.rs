@@ -64,6 +64,24 @@ pub enum ResultsError {
         /// What the reader of meshes says.
         source: mser3d_meshio::MeshIoError,
     },
+    /// The contents are of another format than the chosen one.
+    #[error("{}: to be read as {given}, but its contents are {contents}; choose --format {contents}", path.display())]
+    OtherContents {
+        /// The file.
+        path: PathBuf,
+        /// The format that was chosen.
+        given: crate::ShapeFormat,
+        /// The format of the contents.
+        contents: crate::ShapeFormat,
+    },
+    /// Standard input does not show what it is.
+    #[error("{}: its first bytes do not tell its format; say it with --format: {choices}", path.display())]
+    NoFormat {
+        /// What stands for standard input.
+        path: PathBuf,
+        /// The names of all formats.
+        choices: String,
+    },
     /// A volume does not say what its body is.
     #[error("{}: {error}", path.display())]
     Body {

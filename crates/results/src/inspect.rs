@@ -2,8 +2,8 @@ use std::path::Path;
 
 use mser3d::{Estimate, Parameters};
 use mser3d_meshio::{AnimationInfo, list_animations};
-use mser3d_shape::Choice;
-use mser3d_volumeio::{ValueCounts, VolumeFormat};
+use mser3d_shape::{Bytes, Choice};
+use mser3d_volumeio::ValueCounts;
 use serde::Serialize;
 
 use crate::{InputRecord, ResultsError, ShapeFile, ShapeOptions, VolumeFile};
@@ -58,7 +58,7 @@ impl Inspection {
         options: &ShapeOptions,
         parameters: &Parameters,
     ) -> Result<Self, ResultsError> {
-        if VolumeFormat::of(path).is_some() && options.pose.animation.is_none() {
+        if options.volume_format(path).is_some() && options.pose.animation.is_none() {
             return Self::of_volume(&VolumeFile::read(path, options)?, options, parameters);
         }
         Ok(Self::of_shape(&ShapeFile::read(path, options)?, parameters))
@@ -139,12 +139,10 @@ impl Inspection {
             if let Some(pitch) = self.pitch {
                 lines.add("pitch", format!("{pitch:.6e} for {elements} voxels"));
             }
-            let memory = memory_bytes / 1_000_000;
+            let memory = Bytes(memory_bytes);
             lines.add(
                 "a run takes about",
-                format!(
-                    "{seconds:.1} s of one core, {memory} MB ({elements} voxels, {eigenpairs} eigenpairs)"
-                ),
+                format!("{seconds:.1} s of one core, {memory} ({elements} voxels, {eigenpairs} eigenpairs)"),
             );
         }
         self.animations.iter().for_each(|a| lines.add("animation", a.to_string()));

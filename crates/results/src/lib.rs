@@ -82,6 +82,7 @@ mod parts;
 mod record;
 mod results;
 mod shape_file;
+mod shape_format;
 mod sides;
 mod signatures;
 mod tracks;
@@ -107,6 +108,7 @@ pub use record::{
 };
 pub use results::{Results, TreeArrays};
 pub use shape_file::{Contents, ShapeFile, ShapeOptions};
+pub use shape_format::ShapeFormat;
 pub use sides::{left_and_right, side_text, sidedness_certainty, sidedness_kind};
 pub use tracks::{Identity, Sighting, Track, TrackParameters, TrackedFrame, TracksRecord};
 pub use volume_file::{BodyRecord, SolidVolume, VolumeFile, VolumeRecord};

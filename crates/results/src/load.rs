@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use mser3d_fileio::{NpyArray, NpyValues, read_npz};
+use mser3d_fileio::{InputFile, NpyArray, NpyValues, read_npz};
 use mser3d_meshio::{ReadOptions, read_mesh};
 use mser3d_shape::{BitGrid, Domain, Frame, TriangleMesh, VoxelGrid};
 use serde::Deserialize;
@@ -116,7 +116,7 @@ impl Record {
     /// [`ResultsError::Io`].
     pub fn load(folder: &Path) -> Result<Self, ResultsError> {
         let path = folder.join("regions.json");
-        let text = std::fs::read(&path).map_err(|error| match error.kind() {
+        let text = InputFile::read_all(&path).map_err(|error| match error.kind() {
             ErrorKind::NotFound if folder.join(MSV_RECORD).is_file() => {
                 ResultsError::GreyValueResult { folder: folder.to_owned() }
             }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mser3d_fileio::write_text;
+use mser3d_fileio::{InputFile, write_text};
 use mser3d_shape::InvalidParameter;
 use serde::{Deserialize, Serialize};
 
@@ -156,7 +156,8 @@ impl TracksRecord {
     /// [`ResultsError::Io`], [`ResultsError::OtherFormat`], [`ResultsError::Broken`].
     pub fn load(folder: &Path) -> Result<Self, ResultsError> {
         let path = folder.join(Self::FILE);
-        let text = std::fs::read(&path).map_err(|error| ResultsError::Io { path: path.clone(), error })?;
+        let text =
+            InputFile::read_all(&path).map_err(|error| ResultsError::Io { path: path.clone(), error })?;
         parse(&path, &text, FORMAT)
     }
 

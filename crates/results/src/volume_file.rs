@@ -3,8 +3,8 @@ use std::path::{Path, PathBuf};
 use mser3d_fileio::read_bytes;
 use mser3d_shape::{BitGrid, ShapeError, VoxelGrid};
 use mser3d_volumeio::{
-    Affine, Body, BodyParameters, ChannelKind, LabelCount, LoadedVolume, Volume, World, WorldAxes,
-    read_volume,
+    Affine, Body, BodyParameters, ChannelKind, LabelCount, LoadedVolume, Volume, VolumeFormat, VolumeIoError,
+    World, WorldAxes, read_volume_as,
 };
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -31,6 +31,8 @@ pub struct VolumeFile {
     pub sha256: Option<String>,
     /// Its size; none of what was in memory.
     pub bytes: Option<u64>,
+    /// Its format; none of what was in memory.
+    pub format: Option<VolumeFormat>,
     /// What it holds.
     pub loaded: LoadedVolume,
 }
@@ -39,6 +41,8 @@ pub struct VolumeFile {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct SolidVolume {
+    /// The format of its file; none of what was in memory.
+    pub format: Option<VolumeFormat>,
     /// Its voxels, on the grid of the whole volume.
     pub grid: VoxelGrid,
     /// What a record says of it.
@@ -104,13 +108,16 @@ impl VolumeFile {
     /// [`ResultsError::File`], [`ResultsError::Volume`], [`ResultsError::Placement`], naming the file.
     pub fn read(path: &Path, options: &ShapeOptions) -> Result<Self, ResultsError> {
         options.placement.validate()?;
+        let format = options.volume_format(path);
+        let format = format.ok_or_else(|| VolumeIoError::UnknownFormat { path: path.to_owned() })?;
         let bytes = read_bytes(path)?;
         let sha256 = hex(Sha256::digest(&bytes));
         let file = Self {
             path: path.to_owned(),
             sha256: Some(sha256),
             bytes: Some(bytes.len() as u64),
-            loaded: read_volume(path)?,
+            format: Some(format),
+            loaded: read_volume_as(format, path)?,
         };
         file.placed(options)
     }
@@ -122,7 +129,7 @@ impl VolumeFile {
     pub fn of_volume(volume: Volume, name: &str, options: &ShapeOptions) -> Result<Self, ResultsError> {
         options.placement.validate()?;
         let loaded = LoadedVolume::of_array(volume);
-        Self { path: name.into(), sha256: None, bytes: None, loaded }.placed(options)
+        Self { path: name.into(), sha256: None, bytes: None, format: None, loaded }.placed(options)
     }
 
     fn placed(self, options: &ShapeOptions) -> Result<Self, ResultsError> {
@@ -162,7 +169,7 @@ impl VolumeFile {
         let grid = VoxelGrid::solid(frame, mask.clone())?;
         record.body = Some(body_record(&body, &grid, &record.affine, parameters.threshold));
         let notes = self.loaded.notes.iter().chain(notes).cloned().collect();
-        let solid = SolidVolume { grid, record, notes };
+        let solid = SolidVolume { format: self.format, grid, record, notes };
         Ok(ShapeFile {
             path: path.clone(),
             sha256: self.sha256.clone(),

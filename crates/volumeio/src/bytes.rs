@@ -1,7 +1,7 @@
 //! Files as streams of bytes, unpacked where they are packed, and numbers at fixed places in them.
 use crate::error::Fault;
 use flate2::bufread::MultiGzDecoder;
-use std::fs::File;
+use mser3d_fileio::InputFile;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
@@ -15,8 +15,8 @@ pub(crate) fn open(path: &Path) -> Result<Box<dyn BufRead>, Fault> {
 }
 
 /// The bytes of a file as they are.
-pub(crate) fn open_raw(path: &Path) -> Result<BufReader<File>, Fault> {
-    Ok(BufReader::with_capacity(1 << 16, File::open(path).map_err(Fault::Io)?))
+pub(crate) fn open_raw(path: &Path) -> Result<BufReader<InputFile>, Fault> {
+    Ok(BufReader::with_capacity(1 << 16, InputFile::open(path).map_err(Fault::Io)?))
 }
 
 /// A file that a header names, which lies beside it.

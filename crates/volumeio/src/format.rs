@@ -43,9 +43,24 @@ const ENDINGS: [(&str, VolumeFormat); 17] = [
 ];
 
 impl VolumeFormat {
+    /// All formats.
+    pub const ALL: [Self; 6] = [Self::Npy, Self::Nifti, Self::Nrrd, Self::MetaImage, Self::Mgh, Self::Tiff];
+
     /// The known extensions.
     pub const LIST: &'static str =
         ".npy, .nii, .nii.gz, .hdr with .img, .nrrd, .nhdr, .mha, .mhd, .mgz, .mgh, .tif and .tiff";
+
+    /// Its name, in lower case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Npy => "npy",
+            Self::Nifti => "nifti",
+            Self::Nrrd => "nrrd",
+            Self::MetaImage => "metaimage",
+            Self::Mgh => "mgh",
+            Self::Tiff => "tiff",
+        }
+    }
 
     /// The format that a file's name promises, if any.
     ///
@@ -62,14 +77,7 @@ impl VolumeFormat {
 
 impl fmt::Display for VolumeFormat {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Npy => "npy",
-            Self::Nifti => "nifti",
-            Self::Nrrd => "nrrd",
-            Self::MetaImage => "metaimage",
-            Self::Mgh => "mgh",
-            Self::Tiff => "tiff",
-        })
+        f.write_str(self.name())
     }
 }
 
@@ -81,6 +89,14 @@ impl fmt::Display for VolumeFormat {
 pub fn read_volume(path: &Path) -> Result<LoadedVolume, VolumeIoError> {
     let format =
         VolumeFormat::of(path).ok_or_else(|| VolumeIoError::UnknownFormat { path: path.to_path_buf() })?;
+    read_volume_as(format, path)
+}
+
+/// Reads a volume from a file of this format, whatever its name.
+///
+/// # Errors
+/// As [`read_volume`], but for the format.
+pub fn read_volume_as(format: VolumeFormat, path: &Path) -> Result<LoadedVolume, VolumeIoError> {
     let read = || -> Result<LoadedVolume, Fault> {
         match format {
             VolumeFormat::Npy => npy::read(bytes::open_raw(path)?),

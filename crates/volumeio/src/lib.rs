@@ -53,7 +53,7 @@ mod volume;
 
 pub use body::{Body, BodyError, BodyParameters, Label, LabelCount};
 pub use error::VolumeIoError;
-pub use format::{VolumeFormat, read_volume};
+pub use format::{VolumeFormat, read_volume, read_volume_as};
 pub use label_names::{LabelName, read_label_names};
 pub use loaded::{ChannelKind, LoadedVolume, Segment, World, WorldAxes};
 pub use mser3d_shape::Affine;

@@ -28,7 +28,9 @@ use std::path::Path;
 /// Those of [`read_mesh`](crate::read_mesh) that concern the file as a whole and its animations.
 pub fn list_animations(path: &Path) -> Result<Vec<AnimationInfo>, MeshIoError> {
     let bytes = read_bytes(path)?;
-    match MeshFormat::of(path, &bytes)? {
+    // Of standard input only the contents tell.
+    let format = MeshFormat::of(path, &bytes);
+    match format.or_else(|error| MeshFormat::from_contents(&bytes).ok_or(error))? {
         format @ (MeshFormat::Gltf | MeshFormat::Glb) => {
             let bytes = gzip::unpack(&bytes).map_err(|fault| fault.in_file(path))?;
             animation::list(&open(format, &bytes, path)?).map_err(|fault| broken(fault, path))

@@ -4,8 +4,12 @@ mod cases;
 mod collections;
 mod common;
 #[cfg(unix)]
+mod corners;
+#[cfg(unix)]
 mod docs;
 mod failures;
+#[cfg(unix)]
+mod kills;
 mod libraries;
 mod maps;
 mod msv;

@@ -2,7 +2,7 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;
 
-use mser3d_fileio::write_text;
+use mser3d_fileio::{InputFile, Writing, write_text};
 use mser3d_meshio::{VoxelField, VoxelValues, write_vti};
 use mser3d_shape::{BitGrid, Choice, Frame, VoxelGrid};
 use mser3d_volumeio::{Samples, Volume, read_volume, write_npy};
@@ -22,6 +22,7 @@ impl MsvResults {
     /// [`ResultsError::OutputFolder`], [`ResultsError::Io`], [`ResultsError::File`], [`ResultsError::Mesh`] or
     /// [`ResultsError::Volume`], naming the file.
     pub fn write(&self, folder: &Path) -> Result<(), ResultsError> {
+        let _whole = Writing::begin();
         let fail = |error| ResultsError::OutputFolder { path: folder.to_owned(), error };
         fs::create_dir_all(folder).map_err(fail)?;
         for path in FILES.map(|name| folder.join(name)) {
@@ -65,7 +66,8 @@ impl MsvResults {
     /// the file.
     pub fn load(folder: &Path) -> Result<Self, ResultsError> {
         let path = folder.join(MSV_RECORD);
-        let text = fs::read(&path).map_err(|error| ResultsError::Io { path: path.clone(), error })?;
+        let text =
+            InputFile::read_all(&path).map_err(|error| ResultsError::Io { path: path.clone(), error })?;
         let record: super::MsvRecord = parse(&path, &text, FORMAT)?;
         let path = folder.join("labels.npy");
         let volume = read_volume(&path)?.volume;

@@ -35,7 +35,7 @@ pub(super) fn read(
         let mut source = open_raw(&file)?;
         if coding.at_end {
             let wanted = each.saturating_mul(coding.sample.bytes()) as u64;
-            let length = source.get_ref().metadata()?.len();
+            let length = source.get_ref().len()?;
             source.seek(SeekFrom::Start(length.saturating_sub(wanted)))?;
         }
         let part = coding.read(each, source).map_err(|fault| fault.of_part(&file))?;
