@@ -129,7 +129,8 @@ impl Inspection {
         let input = &self.input;
         let mut lines = Lines(format!(
             "{} ({}, {} bytes)\n",
-            input.path,
+            // In one line, whatever the name holds.
+            input.path.replace('\n', "\\u000a"),
             input.format.as_deref().unwrap_or("unknown format"),
             input.bytes.unwrap_or_default()
         ));

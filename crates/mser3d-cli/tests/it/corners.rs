@@ -151,20 +151,20 @@ fn standard_input_is_an_input() {
     assert_eq!(told["animations"][0]["name"], "poses");
 
     // Volumes: a mask of every kind that is written.
-    for (name, format) in [("m.nii.gz", "nifti"), ("m.nii", "nifti"), ("m.npy", "npy")] {
+    for (number, name, format) in [(0, "m.nii.gz", "nifti"), (1, "m.nii", "nifti"), (2, "m.npy", "npy")] {
         succeeds(&format!("voxelize - --voxels 1500 -o {name}"), &mesh);
         let mask = fs::read(path(name)).unwrap();
-        succeeds(&format!("detect - --format {format} -o of_{name} {SMALL}"), &mask);
-        regions(&path(name), &path(&format!("file_{name}")), SMALL);
-        assert_eq!(arrays(&format!("of_{name}")), arrays(&format!("file_{name}")));
+        succeeds(&format!("detect - --format {format} -o of_{number} {SMALL}"), &mask);
+        regions(&path(name), &path(&format!("file_{number}")), SMALL);
+        assert_eq!(arrays(&format!("of_{number}")), arrays(&format!("file_{number}")));
         assert!(succeeds(&format!("inspect - --format {format}"), &mask).contains("1 piece"));
-        succeeds(&format!("msv - --format {format} -o msv_{name} --max-area 0.9"), &mask);
+        succeeds(&format!("msv - --format {format} -o msv_{number} --max-area 0.9"), &mask);
         // A page has no grey values then, and says so at once.
-        let output = run(&format!("view msv_{name}"), b"");
+        let output = run(&format!("view msv_{number}"), b"");
         assert!(output.status.success() && text(&output.stderr).contains("came from standard input"));
         // Each label of it, which is read more than once.
-        succeeds(&format!("detect - --format {format} --label all -o all_{name} {SMALL}"), &mask);
-        assert!(path(&format!("all_{name}/stdin-001/regions.json")).is_file());
+        succeeds(&format!("detect - --format {format} --label all -o all_{number} {SMALL}"), &mask);
+        assert!(path(&format!("all_{number}/stdin-001/regions.json")).is_file());
     }
     // A file may be named otherwise.
     fs::write(path("mesh.data"), &mesh).unwrap();
