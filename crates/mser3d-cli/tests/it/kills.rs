@@ -314,7 +314,7 @@ fn pictures_and_pages_survive_kills() {
     survives("render", through("render <human_rest -o @r.png --height 100"), |out| {
         words("<human_rest -o @r.png --height 1000", out)
     });
-    survives("view", through("view <human_rest -o @v.html --up x"), |out| {
+    survives("view", through("view <human_rest -o @v.html --up z"), |out| {
         words("<human_rest -o @v.html", out)
     });
 }
