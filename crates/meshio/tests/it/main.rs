@@ -1,6 +1,7 @@
 //! The crate as its users see it.
 
 mod common;
+mod good_files;
 
 mod bad_files;
 mod cases;

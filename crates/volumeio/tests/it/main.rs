@@ -1,6 +1,7 @@
 //! The crate as its users see it.
 
 mod files;
+mod good_files;
 #[cfg(feature = "serde")]
 mod records;
 mod shared_cases;
