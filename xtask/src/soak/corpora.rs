@@ -19,8 +19,7 @@ pub fn run(program: &Path, folder: &Path, install: bool) -> Result<Vec<String>, 
         std::fs::create_dir_all(folder)?;
         for (name, get) in [
             ("cgal", debian as fn(&Path) -> Result<(), String>),
-            ("trimesh", |folder| pypi(folder, &["--no-binary", ":all:", "trimesh"])),
-            ("pyvista", |folder| pypi(folder, &["pyvista"])),
+            ("pyvista", |folder| pypi(folder, "pyvista")),
         ] {
             let path = folder.join(name);
             if !path.exists() {
@@ -91,9 +90,9 @@ fn debian(folder: &Path) -> Result<(), String> {
 }
 
 /// A package of PyPI as it lies there.
-fn pypi(folder: &Path, what: &[&str]) -> Result<(), String> {
+fn pypi(folder: &Path, package: &str) -> Result<(), String> {
     let mut command = Command::new("python3");
-    command.args(["-m", "pip", "download", "--quiet", "--no-deps", "--dest"]).arg(folder).args(what);
+    command.args(["-m", "pip", "download", "--quiet", "--no-deps", "--dest"]).arg(folder).arg(package);
     output(&mut command, DOWNLOAD)?;
     for wheel in files(folder, ".whl") {
         let mut unpack = Command::new("python3");
