@@ -289,13 +289,13 @@ fn contents(folder: &Path) -> Result<BTreeMap<String, Vec<u8>>, Box<dyn Error>> 
                 continue;
             }
             let mut bytes = std::fs::read(&path)?;
-            if path.extension().is_some_and(|ending| ending == "json") {
-                if let Ok(mut record) = serde_json::from_slice::<serde_json::Value>(&bytes) {
-                    if let Some(fields) = record.as_object_mut() {
-                        fields.remove("run");
-                    }
-                    bytes = record.to_string().into_bytes();
+            if path.extension().is_some_and(|ending| ending == "json")
+                && let Ok(mut record) = serde_json::from_slice::<serde_json::Value>(&bytes)
+            {
+                if let Some(fields) = record.as_object_mut() {
+                    fields.remove("run");
                 }
+                bytes = record.to_string().into_bytes();
             }
             files.insert(path.strip_prefix(folder)?.display().to_string(), bytes);
         }

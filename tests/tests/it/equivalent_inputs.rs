@@ -192,7 +192,7 @@ fn powers_of_two_as_a_size_change_no_voxel() {
 fn overlaps(a: &Features, b: &Features) -> Vec<f64> {
     let [a, b] = [a, b].map(vertex_sets);
     let overlap = |x: &IndexSet, y: &IndexSet| {
-        let shared = x.members().filter(|&v| y.contains(v as usize)).count() as f64;
+        let shared = x.members().filter(|&v| y.contains(v)).count() as f64;
         2.0 * shared / (x.members().count() + y.members().count()) as f64
     };
     a.iter().map(|x| b.iter().map(|y| overlap(x, y)).fold(0.0, f64::max)).collect()
