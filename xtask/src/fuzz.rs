@@ -190,7 +190,10 @@ fn feed(
 /// What the process said when it ended, in a line.
 fn reason(text: &str) -> String {
     let lines: Vec<&str> = text.lines().collect();
-    let panic = lines.iter().rposition(|line| line.contains("panicked at"));
+    // The last but that of the wrapper around a target. Earlier ones were caught.
+    let unwinds = |at: &usize| !lines.get(at + 1).is_some_and(|next| next.contains("cannot unwind"));
+    let mut panics = (0..lines.len()).rev().filter(|&at| lines[at].contains("panicked at"));
+    let panic = panics.find(unwinds);
     let said = panic.map(|at| lines[at..].iter().take(2).copied().collect::<Vec<_>>().join(" "));
     let other = || {
         let known = ["memory allocation of", "ERROR: libFuzzer:", "has overflowed its stack"];
@@ -208,7 +211,8 @@ mod tests {
 
     #[test]
     fn a_finding_is_told_in_a_line() {
-        let text = "#2 INITED cov: 5\nthread '<unnamed>' panicked at crates/a.rs:3:4:\nindex out of bounds\n==1== ERROR: libFuzzer: \
+        let text = "#2 INITED cov: 5\nthread '<unnamed>' panicked at crates/a.rs:3:4:\nindex out of bounds\nthread 'x' panicked at \
+                    b.rs:5:5:\npanic in a function that cannot unwind\n==1== ERROR: libFuzzer: \
                     deadly signal\nTest unit written to /x/crash-1\n";
         assert_eq!(reason(text), "thread '<unnamed>' panicked at crates/a.rs:3:4: index out of bounds");
         assert!(reason("==7== ERROR: libFuzzer: timeout after 5 seconds\n").contains("timeout"));
