@@ -249,11 +249,12 @@ fn read_all(paths: &[PathBuf]) -> Result<Vec<(String, TriangleMesh)>, Box<dyn Er
 /// The figure of a glTF file at rest, and at a quarter, a half and three quarters of each animation.
 fn moments(path: &Path) -> Result<Vec<(String, TriangleMesh)>, Box<dyn Error>> {
     let mut poses = vec![("rest".to_owned(), mesh(path)?)];
-    for animation in list_animations(path)? {
+    for animation in list_animations(path, &Default::default())? {
         let name = animation.name.unwrap_or_else(|| format!("animation_{}", animation.index));
         for quarter in [1, 2, 3] {
             let time = animation.start + 0.25 * f64::from(quarter) * (animation.end - animation.start);
-            let options = ReadOptions { animation: Some(animation.index.to_string()), time };
+            let options =
+                ReadOptions { animation: Some(animation.index.to_string()), time, ..Default::default() };
             poses.push((format!("{name}_{quarter}_4"), read_mesh(path, &options)?.mesh));
         }
     }

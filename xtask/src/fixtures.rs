@@ -14,12 +14,16 @@ mod leaf;
 mod off;
 mod plant;
 mod quadruped;
+mod random;
 mod skeleton;
 mod skin;
 mod surface_nets;
 #[cfg(test)]
 mod tests;
 mod vector;
+
+pub use off::write as off;
+pub use random::random_figure;
 
 use std::error::Error;
 use std::path::{Path, PathBuf};

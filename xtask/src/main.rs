@@ -6,11 +6,13 @@ mod command;
 mod delegate;
 mod dist;
 mod fixtures;
+mod fuzz;
 mod interop;
 mod package;
 mod pictures;
 mod python;
 mod schema;
+mod soak;
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -33,6 +35,8 @@ enum Command {
     Dist(dist::Arguments),
     /// Make the shapes in fixtures/ again, byte for byte
     Fixtures(fixtures::Arguments),
+    /// Feed readers, loaders and algorithms with what libFuzzer makes up
+    Fuzz(fuzz::Arguments),
     /// Open what mser3d writes with each format's own library
     Interop(interop::Arguments),
     /// Package the crates as for crates.io, and use one of them in a fresh project
@@ -43,6 +47,8 @@ enum Command {
     Python(python::Arguments),
     /// Write the JSON Schemas of regions.json and msv.json to docs/
     Schema(schema::Arguments),
+    /// Run random figures and other people's meshes through the program, with kills
+    Soak(soak::Arguments),
     /// Experiments: compare with other people's libraries
     Bench(delegate::Arguments),
     /// Experiments: make the paper's figures in docs/results again
@@ -77,11 +83,13 @@ fn run(command: Command) -> Result<ExitCode, Box<dyn Error>> {
         Command::BrowserTest(arguments) => browser_test::run(&arguments)?,
         Command::Dist(arguments) => dist::run(&arguments)?,
         Command::Fixtures(arguments) => fixtures::run(&arguments)?,
+        Command::Fuzz(arguments) => fuzz::run(&arguments)?,
         Command::Interop(arguments) => interop::run(&arguments)?,
         Command::Package(arguments) => package::run(&arguments)?,
         Command::Pictures(arguments) => pictures::run(&arguments)?,
         Command::Python(arguments) => python::run(&arguments)?,
         Command::Schema(arguments) => schema::run(&arguments)?,
+        Command::Soak(arguments) => soak::run(&arguments)?,
         Command::Bench(arguments) => return delegate::run("bench", &arguments),
         Command::Figures(arguments) => return delegate::run("figures", &arguments),
         Command::Maps(arguments) => return delegate::run("maps", &arguments),

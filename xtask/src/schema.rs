@@ -1,10 +1,11 @@
-//! `cargo xtask schema`: the JSON Schemas of `regions.json`, `msv.json` and `tracks.json`, from the types that write these files.
+//! `cargo xtask schema`: the JSON Schemas of `regions.json`, `msv.json`, `tracks.json` and `checksums.json`, from the types that write
+//! these files.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use mser3d_results::msv::MsvRecord;
-use mser3d_results::{FORMAT, Record, TracksRecord};
+use mser3d_results::{Checksums, FORMAT, Record, TracksRecord};
 use schemars::transform::{Transform, transform_subschemas};
 use schemars::{JsonSchema, Schema, SchemaGenerator, generate::SchemaSettings};
 use serde_json::{Value, json};
@@ -34,12 +35,13 @@ fn docs() -> PathBuf {
 }
 
 /// The name and the text of each file.
-fn files() -> Result<[(&'static str, String); 3], serde_json::Error> {
+fn files() -> Result<[(&'static str, String); 4], serde_json::Error> {
     let text = |schema: Schema| serde_json::to_string_pretty(&schema).map(|text| text + "\n");
     Ok([
         ("regions.schema.json", text(schema::<Record>("regions.json of mser3d"))?),
         ("msv.schema.json", text(schema::<MsvRecord>("msv.json of mser3d"))?),
         ("tracks.schema.json", text(schema::<TracksRecord>("tracks.json of mser3d"))?),
+        ("checksums.schema.json", text(schema::<Checksums>("checksums.json of mser3d"))?),
     ])
 }
 

@@ -1,6 +1,7 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
 use mser3d::{Detector, Domain};
 use mser3d_results::Extra;
@@ -22,6 +23,8 @@ pub struct BatchParameters {
     pub workers: usize,
     /// Bytes of memory that they share; one that needs more runs alone. Default: no limit.
     pub memory: u64,
+    /// How long a shape may take; one that takes longer has failed. Waiting for memory does not count. Default: no limit.
+    pub time_limit: Option<Duration>,
     /// What is written for each shape besides. Default: nothing.
     pub extras: Vec<Extra>,
     /// Only a part of the shapes; the tables are then left to [`build_tables`](crate::build_tables).
@@ -30,7 +33,7 @@ pub struct BatchParameters {
 
 impl Default for BatchParameters {
     fn default() -> Self {
-        Self { workers: 1, memory: u64::MAX, extras: Vec::new(), shard: None }
+        Self { workers: 1, memory: u64::MAX, time_limit: None, extras: Vec::new(), shard: None }
     }
 }
 
@@ -56,10 +59,21 @@ pub struct BatchSummary {
     pub computed: usize,
     /// Shapes that had a result already.
     pub kept: usize,
-    /// Shapes without a result, by name.
+    /// Shapes of those computed that had a result which is damaged, by name.
+    pub damaged: Vec<DamagedShape>,
+    /// Shapes that failed, by name.
     pub failed: Vec<Failure>,
     /// The tables that were made; none by a shard.
     pub tables: Option<Tables>,
+}
+
+/// A shape whose result was damaged, and was computed again.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DamagedShape {
+    /// Its name in the collection.
+    pub name: String,
+    /// What was damaged.
+    pub damage: String,
 }
 
 /// Runs a detector over many shapes, their volumes or their surfaces, each with a result in a folder of its own, and
@@ -67,7 +81,8 @@ pub struct BatchSummary {
 ///
 /// Each result appears as a whole or not at all, so a batch that is killed can be run again: it keeps
 /// what is there, and ends with the same bytes as one that was never disturbed (times in `regions.json`
-/// aside). Results of another input, other parameters or another version are redone ([`mser3d_results::Record::is_of`]).
+/// aside). Results of another input, other parameters or another version are redone ([`mser3d_results::Record::is_of`]), and those
+/// that are damaged. A shape that fails keeps the result that it has from an earlier run; its failure stands beside it.
 ///
 /// The workers share rayon's global threads; called from a thread of another pool, each has an equal share of as many
 /// threads as that pool has.
@@ -87,8 +102,23 @@ pub fn run_batch(
     parameters: &BatchParameters,
     heard: &(dyn Fn(Event) + Sync),
 ) -> Result<BatchSummary, CollectionError> {
-    InvalidParameter::unless(parameters.workers > 0, "workers", parameters.workers, "at least 1")?;
     let folder = CollectionFolder::open(folder, parameters.shard)?;
+    run_batch_in(&folder, plan, domain, detector, parameters, heard)
+}
+
+/// [`run_batch`] in a folder that is held already, and is held for what comes after.
+///
+/// # Errors
+/// As [`run_batch`], but for [`CollectionError::Busy`].
+pub fn run_batch_in(
+    folder: &CollectionFolder,
+    plan: &Plan,
+    domain: Domain,
+    detector: &Detector,
+    parameters: &BatchParameters,
+    heard: &(dyn Fn(Event) + Sync),
+) -> Result<BatchSummary, CollectionError> {
+    InvalidParameter::unless(parameters.workers > 0, "workers", parameters.workers, "at least 1")?;
     let jobs: Vec<&Job> = match parameters.shard {
         Some(shard) => shard.of(plan.jobs.iter().collect()),
         None => {
@@ -120,7 +150,8 @@ pub fn run_batch(
                 tell(&|advance| advance.is_at(number, seconds, done), None);
             };
             let detector = own.as_ref().unwrap_or(detector);
-            let shape = ShapeRun { folder: &folder, job, domain, detector, extras: &parameters.extras };
+            let (extras, time_limit) = (&parameters.extras[..], parameters.time_limit);
+            let shape = ShapeRun { folder, job, domain, detector, extras, time_limit };
             match shape.run(&|| volumes.read(job), &budget, &progress) {
                 Ok(outcome) => {
                     tell(&|advance| advance.ends(number, outcome == Outcome::Kept), Some(&outcome));
@@ -143,7 +174,10 @@ pub fn run_batch(
     };
     std::thread::scope(|scope| {
         for _ in 1..workers {
-            scope.spawn(worker);
+            // Where the system gives no more threads, those that are there do all the work.
+            if std::thread::Builder::new().spawn_scoped(scope, worker).is_err() {
+                break;
+            }
         }
         worker();
     });
@@ -154,13 +188,19 @@ pub fn run_batch(
     for (job, outcome) in jobs.iter().zip(outcomes) {
         match outcome.into_inner().unwrap_or_else(PoisonError::into_inner) {
             Some(Outcome::Done) => summary.computed += 1,
+            Some(Outcome::Redone(what)) => {
+                summary.computed += 1;
+                summary.damaged.push(DamagedShape { name: job.name.clone(), damage: what });
+            }
             Some(Outcome::Kept) => summary.kept += 1,
-            Some(Outcome::Failed(why)) => summary.failed.push(Failure::new(job, why)),
+            Some(Outcome::Failed(why)) => {
+                summary.failed.push(Failure::new(job, why, folder.has_result(&job.name)));
+            }
             None => {}
         }
     }
     if parameters.shard.is_none() {
-        summary.tables = Some(tables::build(&folder, &plan.skipped)?);
+        summary.tables = Some(tables::build(folder, &plan.skipped)?);
     }
     Ok(summary)
 }

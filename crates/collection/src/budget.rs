@@ -21,9 +21,9 @@ impl Budget {
     /// Waits until there is enough.
     pub fn take(&self, bytes: u64) -> Share<'_> {
         let used = self.used.lock().unwrap_or_else(PoisonError::into_inner);
-        let full = |used: &mut u64| *used > 0 && *used + bytes > self.bytes;
+        let full = |used: &mut u64| *used > 0 && used.saturating_add(bytes) > self.bytes;
         let mut used = self.freed.wait_while(used, full).unwrap_or_else(PoisonError::into_inner);
-        *used += bytes;
+        *used = used.saturating_add(bytes);
         Share { budget: self, bytes }
     }
 }

@@ -14,7 +14,8 @@ use crate::CollectionError;
 /// A spectrum is kept under a hash of all that it depends on: the grid with its links and frame, or the
 /// mesh; the [`SpectrumParameters`] but for the memory limit; and the version of mser3d. Its file is a
 /// `.npz` of 8 n k bytes (36 MB for 45,000 voxels and 100 eigenpairs) that holds every bit, so results are
-/// the same with and without the cache. Many processes can share one; files appear as a whole.
+/// the same with and without the cache. Many processes can share one; files appear as a whole. What is read is checked to be
+/// eigenpairs of the shape, whatever the file says.
 #[derive(Clone, Debug)]
 pub struct SpectrumCache {
     folder: PathBuf,
@@ -32,7 +33,7 @@ pub enum CacheUse {
 }
 
 /// Changes whenever the same parameters would give another spectrum or its file another layout.
-const GENERATION: &str = concat!("mser3d spectrum 2, version ", env!("CARGO_PKG_VERSION"));
+const GENERATION: &str = concat!("mser3d spectrum 3, version ", env!("CARGO_PKG_VERSION"));
 
 impl SpectrumCache {
     /// A cache in a folder, which is made if it is not there.
@@ -56,14 +57,18 @@ impl SpectrumCache {
     ) -> Result<(Spectrum, CacheUse), mser3d::Error> {
         let key = key(shape, parameters);
         let path = self.path(&key);
-        let trouble = match read(&path, &key, shape) {
+        let trouble = match read(&path, &key, shape, parameters) {
             Ok(spectrum) => return Ok((spectrum, CacheUse::Hit)),
             Err(trouble) => trouble,
         };
         let spectrum = shape.spectrum(parameters, progress)?;
-        let written = write(&path, &key, &spectrum);
         let trouble = trouble.map(|t| format!("{t}; computed again"));
-        let trouble = trouble.or(written.err().map(|e| format!("the spectrum is not kept: {e}")));
+        // What is no file, such as a pipe, stays as it is.
+        let written = match path.is_file() || !path.exists() {
+            true => write(&path, &key, &spectrum).err().map(|e| e.to_string()),
+            false => Some(format!("{}: something is in its place", path.display())),
+        };
+        let trouble = trouble.or(written.map(|e| format!("the spectrum is not kept: {e}")));
         Ok((spectrum, trouble.map_or(CacheUse::Stored, CacheUse::Trouble)))
     }
 
@@ -89,6 +94,9 @@ impl SpectrumCache {
         self.folder.join(format!("{name}.npz"))
     }
 }
+
+/// An error of the eigenpairs ([`DiscreteShape::eigenpair_error`]) that no solver makes.
+const LARGEST_ERROR: f64 = 1e-4;
 
 /// A hash of all that a spectrum depends on.
 fn key(shape: &DiscreteShape, parameters: &SpectrumParameters) -> Vec<u8> {
@@ -130,9 +138,19 @@ fn key(shape: &DiscreteShape, parameters: &SpectrumParameters) -> Vec<u8> {
 }
 
 fn write(path: &Path, key: &[u8], spectrum: &Spectrum) -> Result<(), FileError> {
-    let (basis, report) = (&spectrum.basis, &spectrum.report);
+    let basis = &spectrum.basis;
+    write_arrays(path, key, &spectrum.report, basis.mass(), basis.eigenvalues(), basis.functions())
+}
+
+fn write_arrays(
+    path: &Path,
+    key: &[u8],
+    report: &SpectrumReport,
+    mass: &[f64],
+    eigenvalues: &[f64],
+    functions: &[f64],
+) -> Result<(), FileError> {
     let counts = [report.iterations, report.applications, report.zero_modes].map(|n| n as i64);
-    let functions = NpyArray::new(&[basis.len(), basis.eigenvalues().len()], basis.functions())?;
     write_npz(
         path,
         &[
@@ -140,15 +158,20 @@ fn write(path: &Path, key: &[u8], spectrum: &Spectrum) -> Result<(), FileError> 
             ("solver", NpyArray::flat(report.solver.name().as_bytes())),
             ("counts", NpyArray::flat(counts.to_vec())),
             ("quality", NpyArray::flat(vec![report.residual, report.orthogonality])),
-            ("mass", NpyArray::flat(basis.mass())),
-            ("eigenvalues", NpyArray::flat(basis.eigenvalues())),
-            ("functions", functions),
+            ("mass", NpyArray::flat(mass)),
+            ("eigenvalues", NpyArray::flat(eigenvalues)),
+            ("functions", NpyArray::new(&[mass.len(), eigenvalues.len()], functions)?),
         ],
     )
 }
 
 /// The spectrum in a file, or what is wrong with it: nothing (`None`) if there is no file.
-fn read(path: &Path, key: &[u8], shape: &DiscreteShape) -> Result<Spectrum, Option<String>> {
+fn read(
+    path: &Path,
+    key: &[u8],
+    shape: &DiscreteShape,
+    parameters: &SpectrumParameters,
+) -> Result<Spectrum, Option<String>> {
     if !path.exists() {
         return Err(None);
     }
@@ -173,7 +196,18 @@ fn read(path: &Path, key: &[u8], shape: &DiscreteShape) -> Result<Spectrum, Opti
         let functions = functions.into_owned();
         let basis =
             Eigenbasis::new(shape.domain(), mass.into_owned(), eigenvalues.into_owned(), functions).ok()?;
+        // A file may be whole and hold nonsense all the same.
         let count = |n: i64| usize::try_from(n).ok();
+        let asked = match parameters.eigenpairs {
+            EigenpairRange::Count(count) | EigenpairRange::AtMost(count) => {
+                basis.eigenvalues().len() <= count
+            }
+            EigenpairRange::LambdaMax(bound) => basis.eigenvalues().last().is_none_or(|&last| last <= bound),
+        };
+        let error = shape.eigenpair_error(&basis).ok()?;
+        if !asked || error > LARGEST_ERROR.max(100.0 * parameters.tolerance) {
+            return None;
+        }
         let mut report = SpectrumReport::new(solver);
         [report.iterations, report.applications, report.zero_modes] =
             [count(iterations)?, count(applications)?, count(zero_modes)?];
@@ -272,6 +306,50 @@ mod tests {
             let CacheUse::Trouble(text) = how else { panic!("{} bytes pass", bad.len()) };
             assert!(text.contains(&path.display().to_string()), "{text}");
             assert_eq!(std::fs::read(&path).unwrap(), whole, "written again");
+        }
+    }
+
+    /// Files that are whole, with the right key, and hold other numbers.
+    #[test]
+    fn nonsense_with_the_right_key_is_no_spectrum() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = SpectrumCache::open(folder.path()).unwrap();
+        for parameters in
+            [parameters(), SpectrumParameters { eigenpairs: EigenpairRange::LambdaMax(20.0), ..parameters() }]
+        {
+            let shape = bar(20);
+            let (computed, _) = ask(&cache, &shape, &parameters);
+            let (key, basis) = (key(&shape, &parameters), &computed.basis);
+            let path = cache.path(&key);
+            let k = basis.eigenvalues().len();
+            let changed = |change: &dyn Fn(&mut Vec<f64>, &mut Vec<f64>, &mut Vec<f64>)| {
+                let (mut mass, mut values, mut functions) =
+                    (basis.mass().to_vec(), basis.eigenvalues().to_vec(), basis.functions().to_vec());
+                change(&mut mass, &mut values, &mut functions);
+                write_arrays(&path, &key, &computed.report, &mass, &values, &functions).unwrap();
+                let (spectrum, how) = ask(&cache, &shape, &parameters);
+                assert!(bits(&spectrum) == bits(&computed));
+                how
+            };
+            assert_eq!(changed(&|_, _, _| {}), CacheUse::Hit);
+            let nonsense: [&dyn Fn(&mut Vec<f64>, &mut Vec<f64>, &mut Vec<f64>); 9] = [
+                &|_, _, functions| functions[k * 7 + 3] = f64::NAN,
+                &|_, _, functions| functions[k * 7 + 3] = f64::INFINITY,
+                &|_, _, functions| functions[k * 7 + 3] *= 1.01,
+                &|_, _, functions| functions.fill(0.0),
+                &|_, _, functions| functions.swap(0, k * 399 + 1),
+                &|_, values, _| values[k - 1] *= 1.001,
+                &|_, values, _| values.fill(0.0),
+                &|mass, _, _| mass[5] *= 2.0,
+                &|_, values, functions| {
+                    // A pair twice: the residual is small, but it is no basis.
+                    values[k - 1] = values[k - 2];
+                    functions.chunks_mut(k).for_each(|row| row[k - 1] = row[k - 2]);
+                },
+            ];
+            for (number, change) in nonsense.into_iter().enumerate() {
+                assert!(matches!(changed(change), CacheUse::Trouble(_)), "{number}");
+            }
         }
     }
 }

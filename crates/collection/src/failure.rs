@@ -4,7 +4,10 @@ use mser3d_volumeio::Label;
 
 use crate::Job;
 
-/// A shape without a result: what `failure.json` in its folder says, and `failures.json` of all.
+/// The name of the file in the folder of a shape.
+pub(crate) const FAILURE: &str = "failure.json";
+
+/// A shape that failed: what `failure.json` in its folder says, and `failures.json` of all.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Failure {
@@ -20,10 +23,13 @@ pub struct Failure {
     pub label: Option<i64>,
     /// Why there is no result.
     pub error: String,
+    /// Whether there is one of an earlier run, with other parameters or of another input, which was kept.
+    #[serde(default)]
+    pub kept: bool,
 }
 
 impl Failure {
-    pub(crate) fn new(job: &Job, error: String) -> Self {
+    pub(crate) fn new(job: &Job, error: String, kept: bool) -> Self {
         Self {
             name: job.name.clone(),
             path: job.path.to_string_lossy().into_owned(),
@@ -34,6 +40,7 @@ impl Failure {
                 _ => None,
             },
             error,
+            kept,
         }
     }
 }

@@ -1,15 +1,17 @@
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use mser3d::Parameters;
-use mser3d_fileio::file_stem;
+use mser3d_fileio::{ReadLimits, file_stem, read_bytes_within};
 use mser3d_meshio::{AnimationInfo, MeshFormat, ReadOptions, list_animations};
-use mser3d_results::{ResultsError, ShapeFile, ShapeOptions, VolumeFile};
+use mser3d_results::{Checksums, ResultsError, ShapeFile, ShapeOptions, VolumeFile};
 use mser3d_shape::InvalidParameter;
 use mser3d_volumeio::{BodyParameters, LabelCount, VolumeFormat};
 
 use crate::CollectionError;
+use crate::folder::TABLES;
+use crate::track::TRACK_FILES;
 
 /// One shape of a batch.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,7 +54,7 @@ pub struct PlanParameters {
     pub all_labels: bool,
     /// Look into the folders in a folder, too. Default: no.
     pub recursive: bool,
-    /// How volumes are read. Meshes are read as they are.
+    /// How volumes are read. Meshes are read as they are, with the same limits.
     pub volumes: ShapeOptions,
 }
 
@@ -88,7 +90,8 @@ pub const LEAST_LABEL_VOXELS: u64 = 64;
 /// The shapes that some inputs name, in the order of their names.
 ///
 /// An input is a file; a folder, for all files of a known format in it, meshes and volumes; a pattern
-/// such as `scans/*.ply`; or a list, a `.txt` file with one path a line, relative to its folder. With
+/// such as `scans/*.ply`; or a list, a `.txt` file with one path a line, relative to its folder, in which the files must lie
+/// unless the limits of reading allow others. With
 /// `frames`, every file is animated and each frame is a shape; with `all_labels`, each label of a volume.
 ///
 /// A shape is named after its file, without the ending; where that is not unique, with it, and where
@@ -100,14 +103,14 @@ pub const LEAST_LABEL_VOXELS: u64 = 64;
 pub fn plan(inputs: &[PathBuf], parameters: &PlanParameters) -> Result<Plan, CollectionError> {
     let mut paths = Vec::new();
     for input in inputs {
-        paths.extend(expand(input, parameters.recursive)?);
+        paths.extend(expand(input, parameters.recursive, parameters.volumes.limits())?);
     }
-    let mut seen = std::collections::HashSet::new();
+    let mut seen = HashSet::new();
     paths.retain(|path| seen.insert(path.canonicalize().unwrap_or_else(|_| path.clone())));
     let mut plan = Plan::default();
     for (path, name) in paths.iter().zip(names(&paths)) {
-        let is_volume = VolumeFormat::of(path).is_some();
-        let options = if is_volume { parameters.volumes.clone() } else { ShapeOptions::default() };
+        let is_volume = parameters.volumes.volume_format(path).is_some();
+        let options = if is_volume { parameters.volumes.clone() } else { parameters.volumes.limits_alone() };
         let job = Job { name, path: path.clone(), options, parameters: None };
         match &parameters.frames {
             Some(frames) => plan.jobs.extend(frames_of(&job, frames)?),
@@ -148,7 +151,11 @@ impl Plan {
     }
 }
 
-pub(crate) fn expand(path: &Path, recursive: bool) -> Result<Vec<PathBuf>, CollectionError> {
+pub(crate) fn expand(
+    path: &Path,
+    recursive: bool,
+    limits: &ReadLimits,
+) -> Result<Vec<PathBuf>, CollectionError> {
     let fail = |problem: String| CollectionError::Input { input: path.display().to_string(), problem };
     let found = if path.is_dir() {
         let files = files_in(path, recursive)?;
@@ -158,9 +165,11 @@ pub(crate) fn expand(path: &Path, recursive: bool) -> Result<Vec<PathBuf>, Colle
         }
         files
     } else if path.is_file() && has_extension(path, "txt") {
-        let text = std::fs::read_to_string(path).map_err(CollectionError::io(path))?;
-        let folder = path.parent().unwrap_or(Path::new(""));
+        let bytes = read_bytes_within(path, limits, 1)?;
+        let text = String::from_utf8(bytes).map_err(|_| fail("the list is no text in UTF-8".into()))?;
         let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+        // A list stands for arguments, so it may name files anywhere.
+        let folder = path.parent().unwrap_or(Path::new(""));
         let files: Vec<PathBuf> = lines.map(|line| folder.join(line)).collect();
         if files.is_empty() {
             return Err(fail("the list is empty; write one path a line".into()));
@@ -213,7 +222,7 @@ fn has_extension(path: &Path, extension: &str) -> bool {
 }
 
 fn frames_of(file: &Job, frames: &Frames) -> Result<Vec<Job>, CollectionError> {
-    let animation = find_animation(&file.path, Some(&frames.animation))?;
+    let animation = find_animation(&file.path, Some(&frames.animation), file.options.limits())?;
     let times = animation.frame_times(frames.rate)?;
     Ok(jobs_at(file, &frames.animation, animation.index, times))
 }
@@ -223,7 +232,11 @@ pub(crate) fn jobs_at(file: &Job, named: &str, animation: usize, times: Vec<f64>
     let job = |(number, time): (usize, f64)| Job {
         name: format!("{}-{}-{number:04}", file.name, plain(named)),
         options: ShapeOptions {
-            pose: ReadOptions { animation: Some(animation.to_string()), time },
+            pose: ReadOptions {
+                animation: Some(animation.to_string()),
+                time,
+                limits: file.options.limits().clone(),
+            },
             ..file.options.clone()
         },
         ..file.clone()
@@ -232,8 +245,12 @@ pub(crate) fn jobs_at(file: &Job, named: &str, animation: usize, times: Vec<f64>
 }
 
 /// The animation of a file with this name or number; if none is named, the only one.
-pub(crate) fn find_animation(path: &Path, named: Option<&str>) -> Result<AnimationInfo, CollectionError> {
-    let mut animations = list_animations(path)?;
+pub(crate) fn find_animation(
+    path: &Path,
+    named: Option<&str>,
+    limits: &ReadLimits,
+) -> Result<AnimationInfo, CollectionError> {
+    let mut animations = list_animations(path, limits)?;
     let is_wanted = |a: &AnimationInfo| match named {
         Some(named) => a.name.as_deref() == Some(named) || a.index.to_string() == named,
         None => true,
@@ -255,7 +272,7 @@ pub(crate) fn find_animation(path: &Path, named: Option<&str>) -> Result<Animati
     }
 }
 
-/// A name for each path: as few of its last parts as tell it from the others.
+/// A name for each path: as few of its last parts as tell it from the others, and from the files of a collection.
 pub(crate) fn names(paths: &[PathBuf]) -> Vec<String> {
     let candidate = |path: &Path, level: usize| {
         let own = if level == 0 {
@@ -270,10 +287,12 @@ pub(crate) fn names(paths: &[PathBuf]) -> Vec<String> {
         name
     };
     let depth = paths.iter().map(|p| p.components().count()).max().unwrap_or(0);
+    let files =
+        || TABLES.iter().chain(&TRACK_FILES).chain([&Checksums::FILE]).map(|name| name.to_lowercase());
     let mut levels = vec![0; paths.len()];
     let mut names: Vec<String> = paths.iter().map(|p| candidate(p, 0)).collect();
     for _ in 0..=depth {
-        let mut uses: HashMap<String, usize> = HashMap::new();
+        let mut uses: HashMap<String, usize> = files().map(|name| (name, 1)).collect();
         names.iter().for_each(|name| *uses.entry(name.to_lowercase()).or_default() += 1);
         for number in 0..paths.len() {
             if uses[&names[number].to_lowercase()] > 1 {
@@ -283,7 +302,7 @@ pub(crate) fn names(paths: &[PathBuf]) -> Vec<String> {
         }
     }
     // Paths such as a/x.off and ../a/x.off may still share a name.
-    let mut taken = std::collections::HashSet::new();
+    let mut taken: HashSet<String> = files().collect();
     for name in &mut names {
         let first = name.clone();
         let mut number = 2;
@@ -373,6 +392,22 @@ mod tests {
         assert_eq!(named(&["x.off", "../x.off"]), ["x.off", "x.off-2"]);
         assert_eq!(named(&["a/.off", ".."]), ["_off", "shape"]);
         assert_eq!(named(&["a/ct.nii.gz", "b.seg.nrrd"]), ["ct", "b.seg"]);
+    }
+
+    #[test]
+    fn no_result_takes_the_name_of_a_table() {
+        let files = ["regions.parquet.off", "Shapes.PARQUET.obj", "failures.json.off", "tracks.json.off"];
+        assert_eq!(named(&files), files);
+        for (table, path) in TABLES.iter().chain(&TRACK_FILES).map(|table| (table, format!("a/{table}.off")))
+        {
+            assert_eq!(named(&[&path]), [format!("{table}.off")]);
+        }
+        // Whatever the tables are called, a file without an ending may be called so too.
+        assert_eq!(named(&["labels.csv"]), ["labels"]);
+        assert_eq!(
+            named(&["x/labels.csv.off", "y/labels.csv.off"]),
+            ["x-labels.csv.off", "y-labels.csv.off"]
+        );
     }
 
     #[test]

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use mser3d_fileio::write_text;
 use mser3d_results::{
-    BodyRecord, LabelMap, OrientedBox, Record, Results, sidedness_certainty, sidedness_kind, write_landmarks,
+    BodyRecord, Checksums, Extra, LabelMap, OrientedBox, Record, Results, sidedness_certainty,
+    sidedness_kind, write_landmarks,
 };
 
 use crate::folder::result_names;
@@ -123,10 +124,12 @@ pub fn write_label_map(folder: &Path, shapes: &[String]) -> Result<usize, Collec
     }
     let numbered: Vec<(&Results, u32)> = results.iter().map(|(r, first, _)| (r, *first)).collect();
     let map = LabelMap::new(&numbered)?;
-    map.write(&folder.join("regions.nii.gz"))?;
+    let files = [Extra::Nifti, Extra::Landmarks].map(Extra::file_name);
+    map.write(&folder.join(files[0]))?;
     let records: Vec<(String, &Record)> =
         results.iter().map(|(r, _, name)| (format!("{name}-"), &r.record)).collect();
-    write_landmarks(&folder.join("landmarks.mrk.json"), &records)?;
+    write_landmarks(&folder.join(files[1]), &records)?;
+    Checksums::add(folder, &files)?;
     Ok(map.contested)
 }
 

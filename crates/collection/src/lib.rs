@@ -8,6 +8,7 @@
 //! * [`ScheduledBatch`] and [`ScheduledShape`] are the same for a batch whose shapes another program hands out to processes
 //!   on many machines.
 //! * [`Index`] finds the regions of a collection that are nearest to those of a shape, and shows them.
+//! * [`verify_folder`] finds out whether results and tables are as they were written.
 //! * [`SpectrumCache`] keeps spectra, so that none is computed twice.
 //!
 //! # What holds
@@ -15,8 +16,8 @@
 //!   keeps what is there and ends with the same bytes as one that was never disturbed (the times in
 //!   `regions.json` aside). Tables hold no times, and rows in the order of names.
 //! * Tables are there only while no batch is under way: who finds them, finds them complete.
-//! * Results whose input, parameters or version changed are redone; a shape that fails is recorded, and
-//!   the rest go on.
+//! * Results whose input, parameters or version changed are redone, and those that are damaged; a shape that fails is recorded, and
+//!   the rest go on. A result of an earlier run is never replaced by a failure.
 //! * Descriptors of different settings are never compared; the error names the difference.
 //! * Search is exact. 100,000 regions take less than a tenth of a second, reading them included.
 //!
@@ -88,20 +89,24 @@ mod job;
 mod label_tables;
 mod matching;
 mod parquet;
+mod parquet_table;
 mod query;
 mod query_page;
 mod recent_volumes;
 mod scheduled;
 mod shape_run;
 mod tables;
+mod thrift;
 mod track;
+mod verify;
 
-pub use batch::{BatchParameters, BatchSummary, Event, run_batch};
+pub use batch::{BatchParameters, BatchSummary, DamagedShape, Event, run_batch, run_batch_in};
 pub use cache::{CacheUse, SpectrumCache};
 pub use dense_map::map_vertices;
 pub use descriptor_settings::DescriptorSettings;
 pub use error::CollectionError;
 pub use failure::Failure;
+pub use folder::CollectionFolder;
 pub use ground_truth::judge_matching;
 pub use job::{Frames, Job, LEAST_LABEL_VOXELS, Plan, PlanParameters, Shard, SkippedLabel, plan};
 pub use label_tables::write_label_map;
@@ -113,6 +118,7 @@ pub use tables::{Tables, build_tables};
 pub use track::{
     Sampling, plan_sequence, share_parameters, track_glb, track_page, track_pictures, track_results,
 };
+pub use verify::{Verification, verify_folder};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

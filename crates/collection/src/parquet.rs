@@ -1,6 +1,5 @@
-//! Tables as Parquet files: flat columns, and lists of equally many numbers.
+//! Tables as Parquet files: flat columns, and lists of equally many numbers. They are read by [`crate::parquet_table`].
 
-use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -10,7 +9,6 @@ use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int32Ty
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
-use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::{Type, TypePtr};
 
@@ -139,100 +137,10 @@ fn put<T: DataType, W: std::io::Write + Send>(
     column.close()
 }
 
-/// A table that was written by [`write`].
-pub(crate) struct Table {
-    path: std::path::PathBuf,
-    file: SerializedFileReader<File>,
-}
-
-impl Table {
-    pub fn open(path: &Path) -> Result<Self, CollectionError> {
-        let file = File::open(path).map_err(CollectionError::io(path))?;
-        let file = SerializedFileReader::new(file).map_err(table_error(path))?;
-        Ok(Self { path: path.to_owned(), file })
-    }
-
-    /// What was noted with the table.
-    pub fn note(&self, key: &str) -> Option<&str> {
-        let notes = self.file.metadata().file_metadata().key_value_metadata()?;
-        notes.iter().find(|note| note.key == key)?.value.as_deref()
-    }
-
-    pub fn rows(&self) -> usize {
-        self.file.metadata().file_metadata().num_rows().max(0) as usize
-    }
-
-    pub fn texts(&self, name: &str) -> Result<Vec<String>, CollectionError> {
-        let bytes = self.column::<ByteArrayType>(name)?;
-        let text = |b: &ByteArray| b.as_utf8().map(str::to_owned).map_err(table_error(&self.path));
-        bytes.iter().map(text).collect()
-    }
-
-    pub fn integers(&self, name: &str) -> Result<Vec<i32>, CollectionError> {
-        self.column::<Int32Type>(name)
-    }
-
-    /// Numbers, or the elements of all lists.
-    pub fn numbers(&self, name: &str) -> Result<Vec<f64>, CollectionError> {
-        self.column::<DoubleType>(name)
-    }
-
-    /// A column that may lack values.
-    pub fn optional_integers(&self, name: &str) -> Result<Vec<Option<i32>>, CollectionError> {
-        self.optional::<Int32Type>(name)
-    }
-
-    /// A column that may lack values.
-    pub fn optional_numbers(&self, name: &str) -> Result<Vec<Option<f64>>, CollectionError> {
-        self.optional::<DoubleType>(name)
-    }
-
-    fn optional<T: DataType>(&self, name: &str) -> Result<Vec<Option<T::T>>, CollectionError> {
-        let (values, present) = self.column_with_presence::<T>(name)?;
-        let mut values = values.into_iter();
-        Ok(present.into_iter().map(|level| if level > 0 { values.next() } else { None }).collect())
-    }
-
-    /// All values that are present.
-    fn column<T: DataType>(&self, name: &str) -> Result<Vec<T::T>, CollectionError> {
-        Ok(self.column_with_presence::<T>(name)?.0)
-    }
-
-    /// All values that are present; and for each row of a column that may lack some, 1 where it has one, else 0.
-    fn column_with_presence<T: DataType>(
-        &self,
-        name: &str,
-    ) -> Result<(Vec<T::T>, Vec<i16>), CollectionError> {
-        let fail = table_error(&self.path);
-        let schema = self.file.metadata().file_metadata().schema_descr();
-        let found = schema.columns().iter().position(|c| c.path().parts().first().is_some_and(|p| p == name));
-        let good = found.filter(|&at| schema.column(at).physical_type() == T::get_physical_type());
-        let Some(at) = good else {
-            return Err(fail(ParquetError::General(format!(
-                "there is no column {name} of the right type; run `mser3d batch` again"
-            ))));
-        };
-        let (mut values, mut definition, mut repetition) = (Vec::new(), Vec::new(), Vec::new());
-        for group in 0..self.file.num_row_groups() {
-            let rows = self.file.get_row_group(group).map_err(&fail)?;
-            let reader = rows.get_column_reader(at).map_err(&fail)?;
-            let mut reader = parquet::column::reader::get_typed_column_reader::<T>(reader);
-            loop {
-                let (records, _, _) = reader
-                    .read_records(1 << 16, Some(&mut definition), Some(&mut repetition), &mut values)
-                    .map_err(&fail)?;
-                if records == 0 {
-                    break;
-                }
-            }
-        }
-        Ok((values, definition))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parquet_table::Table;
 
     #[test]
     fn columns_come_back_and_bytes_repeat() {
@@ -253,20 +161,95 @@ mod tests {
         assert_eq!(std::fs::read(&paths[0]).unwrap(), std::fs::read(&paths[1]).unwrap());
         let table = Table::open(&paths[0]).unwrap();
         assert_eq!((table.rows(), table.note("settings"), table.note("none")), (3, Some("{}"), None));
-        assert_eq!(table.texts("name").unwrap(), ["a", "\u{e9}", ""]);
-        assert_eq!(table.texts("maybe").unwrap(), ["x"]);
-        assert_eq!(table.integers("id").unwrap(), [3, -1, 0]);
-        assert_eq!(table.integers("parent").unwrap(), [7, 8]);
-        assert_eq!(table.optional_integers("parent").unwrap(), [Some(7), None, Some(8)]);
-        assert_eq!(table.optional_numbers("time").unwrap(), [None, None, Some(2.5)]);
-        assert_eq!(table.numbers("volume").unwrap(), [0.1, f64::INFINITY, -0.0]);
-        assert_eq!(table.numbers("time").unwrap(), [2.5]);
-        assert_eq!(table.numbers("descriptor").unwrap(), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
-        assert!(table.numbers("id").unwrap_err().to_string().contains("no column id"));
+        assert_eq!(table.column::<String>("name").unwrap(), ["a", "\u{e9}", ""]);
+        assert_eq!(table.optional::<String>("maybe").unwrap(), [None, Some("x".into()), None]);
+        assert_eq!(table.column::<i32>("id").unwrap(), [3, -1, 0]);
+        assert_eq!(table.optional::<i32>("parent").unwrap(), [Some(7), None, Some(8)]);
+        assert_eq!(table.optional::<f64>("time").unwrap(), [None, None, Some(2.5)]);
+        assert_eq!(table.column::<f64>("volume").unwrap(), [0.1, f64::INFINITY, -0.0]);
+        let lists = table.lists("descriptor").unwrap();
+        assert_eq!(lists, (2, vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]));
+        let error = |result: Result<Vec<f64>, CollectionError>| result.unwrap_err().to_string();
+        assert!(error(table.column("id")).contains("no column id"));
+        // A column that lacks values is not taken for one that does not.
+        assert!(error(table.column("time")).contains("column time cannot be read"));
+    }
+
+    /// Several pages, a dictionary that is given up when it grows too large, and runs of every length.
+    #[test]
+    fn large_tables_come_back_as_the_library_reads_them() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.parquet");
+        let rows = 60_000;
+        let names: Vec<String> = (0..rows).map(|i| format!("shape{}", i / 37)).collect();
+        let ids: Vec<i32> = (0..rows).map(|i| i % 37).collect();
+        let twins: Vec<Option<i32>> = (0..rows).map(|i| (i % 5 > 1 || i > 40_000).then_some(i)).collect();
+        let fine: Vec<f64> = (0..rows).map(|i| f64::from(i).sqrt()).collect();
+        let values: Vec<f64> = (0..3 * rows).map(|i| f64::from(i % 70_001)).collect();
+        let columns = [
+            ("name", Column::Text(names.clone())),
+            ("id", Column::Integer(ids.clone())),
+            ("twin", Column::OptionalInteger(twins.clone())),
+            ("none", Column::OptionalNumber(vec![None; rows as usize])),
+            ("fine", Column::Number(fine.clone())),
+            ("same", Column::Number(vec![0.5; rows as usize])),
+            ("list", Column::Numbers { width: 3, values: values.clone() }),
+        ];
+        write(&path, &columns, &[]).unwrap();
+        let table = Table::open(&path).unwrap();
+        assert_eq!(table.rows(), rows as usize);
+        assert!(table.column::<String>("name").unwrap() == names);
+        assert!(table.column::<i32>("id").unwrap() == ids);
+        assert!(table.optional::<i32>("twin").unwrap() == twins);
+        assert!(table.optional::<f64>("none").unwrap().iter().all(Option::is_none));
+        assert!(table.column::<f64>("fine").unwrap() == fine);
+        assert!(table.column::<f64>("same").unwrap() == vec![0.5; rows as usize]);
+        assert!(table.lists("list").unwrap() == (3, values));
+    }
+
+    /// Every byte of a small table changed, and every length it could be cut to: an error, or other values, never a panic, and never
+    /// more memory than the file stands for.
+    #[test]
+    fn damaged_tables_are_errors() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.parquet");
+        let columns = [
+            ("name", Column::Text(vec!["a".into(), "b".into(), "a".into()])),
+            ("id", Column::Integer(vec![1, 2, 3])),
+            ("twin", Column::OptionalInteger(vec![Some(1), None, Some(2)])),
+            ("list", Column::Numbers { width: 2, values: vec![0.5; 6] }),
+        ];
+        write(&path, &columns, &[("settings", "{}".into())]).unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        let read = |bytes: &[u8]| {
+            std::fs::write(&path, bytes).unwrap();
+            let table = Table::open(&path)?;
+            table.column::<String>("name")?;
+            table.column::<i32>("id")?;
+            table.optional::<i32>("twin")?;
+            table.lists("list").map(|_| ())
+        };
+        read(&bytes).unwrap();
+        for end in 0..bytes.len() {
+            let error = read(&bytes[..end]).unwrap_err().to_string();
+            assert!(error.contains("t.parquet") && error.contains("batch --merge"), "{error}");
+        }
+        let mut refused = 0;
+        for at in 0..bytes.len() {
+            for flip in [1, 2, 4, 0x10, 0x40, 0x80, 0xff] {
+                let mut damaged = bytes.clone();
+                damaged[at] ^= flip;
+                if let Err(error) = read(&damaged) {
+                    assert!(error.to_string().contains("t.parquet"), "{error}");
+                    refused += 1;
+                }
+            }
+        }
+        assert!(refused > bytes.len(), "{refused}");
     }
 
     #[test]
-    fn a_table_without_rows_and_damaged_tables() {
+    fn a_table_without_rows() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("t.parquet");
         let columns = [
@@ -274,11 +257,8 @@ mod tests {
             ("descriptor", Column::Numbers { width: 6, values: Vec::new() }),
         ];
         write(&path, &columns, &[]).unwrap();
-        assert_eq!(Table::open(&path).unwrap().numbers("descriptor").unwrap(), [0.0; 0]);
-        let bytes = std::fs::read(&path).unwrap();
-        for end in [0, 3, bytes.len() / 2, bytes.len() - 1] {
-            std::fs::write(&path, &bytes[..end]).unwrap();
-            assert!(Table::open(&path).err().unwrap().to_string().contains("t.parquet"));
-        }
+        let table = Table::open(&path).unwrap();
+        assert_eq!((table.rows(), table.lists("descriptor").unwrap()), (0, (0, Vec::new())));
+        assert!(table.column::<String>("name").unwrap().is_empty());
     }
 }

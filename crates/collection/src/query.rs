@@ -1,11 +1,12 @@
 use std::path::{Path, PathBuf};
 
 use mser3d::descriptors::Descriptors;
+use mser3d_results::Checksums;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::parquet::Table;
-use crate::tables::SETTINGS;
+use crate::parquet_table::Table;
+use crate::tables::{REGIONS_TABLE, SETTINGS};
 use crate::{CollectionError, DescribedResult, DescriptorSettings};
 
 /// All regions of a collection, to be searched by descriptor.
@@ -75,8 +76,8 @@ impl Index {
             folder: folder.to_owned(),
             problem: problem.to_owned(),
         };
-        let path = folder.join("regions.parquet");
-        if !path.is_file() {
+        let path = folder.join(REGIONS_TABLE);
+        if !path.exists() {
             return Err(none(if folder.join("regions.json").is_file() {
                 "this is the result of one shape, no collection; make one with `mser3d batch`, or compare two \
                  results with `mser3d match`"
@@ -87,6 +88,7 @@ impl Index {
                 "there is no regions.parquet, so this is no collection; make one with `mser3d batch`"
             }));
         }
+        Checksums::load(folder)?.check(folder, REGIONS_TABLE)?;
         let table = Table::open(&path)?;
         if table.rows() == 0 {
             return Err(none("no shape of this collection has regions; nothing can be found"));
@@ -96,14 +98,21 @@ impl Index {
         let settings = settings.ok_or_else(|| {
             broken("not written by this version of mser3d; run `mser3d batch` again".into())
         })?;
-        let (shapes, regions) = (table.texts("shape")?, table.integers("region")?);
-        let (fractions, values) = (table.numbers("volume_fraction")?, table.numbers("descriptor")?);
-        let (twins, sides) = (table.optional_integers("twin")?, table.optional_numbers("side")?);
+        let (shapes, regions) = (table.column::<String>("shape")?, table.column::<i32>("region")?);
+        let (width, values) = table.lists("descriptor")?;
+        let fractions: Vec<f64> = table.column("volume_fraction")?;
+        let (twins, sides) = (table.optional::<i32>("twin")?, table.optional::<f64>("side")?);
         let rows = table.rows();
-        let width = values.len() / rows;
-        let lengths = [shapes.len(), regions.len(), fractions.len(), twins.len(), sides.len()];
-        if lengths != [rows; 5] || width * rows != values.len() {
-            return Err(broken("its columns differ in length; run `mser3d batch` again".into()));
+        let good = |row: usize| {
+            let descriptor = &values[row * width..][..width];
+            let numbers = descriptor.iter().all(|x| x.is_finite()) || descriptor.iter().all(|x| x.is_nan());
+            let share = fractions[row].is_finite() && sides[row].is_none_or(|side: f64| side.is_finite());
+            numbers && share && regions[row] >= 0 && twins[row].is_none_or(|twin| twin >= 0)
+        };
+        if let Some(row) = (0..rows).find(|&row| width == 0 || !good(row)) {
+            return Err(broken(format!(
+                "row {row} is no region: a number is out of its range; run `mser3d batch --merge`"
+            )));
         }
         // Rows of NaN are of shapes that cannot be compared.
         let kept: Vec<usize> = (0..rows).filter(|&row| !values[row * width].is_nan()).collect();
@@ -187,7 +196,7 @@ impl Index {
 
     fn nearest_to(&self, query: &[f64], count: usize, but: Option<&str>) -> Vec<Hit> {
         // The nearest so far, in order; short, so sorting in is cheap.
-        let mut best: Vec<(f64, usize)> = Vec::with_capacity(count + 1);
+        let mut best: Vec<(f64, usize)> = Vec::with_capacity(count.min(self.len()) + 1);
         for (number, row) in self.descriptors.rows().enumerate() {
             let distance: f64 = row.iter().zip(query).map(|(a, b)| (a - b) * (a - b)).sum();
             let full = best.len() == count;

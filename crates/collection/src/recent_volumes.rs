@@ -1,7 +1,6 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use mser3d_results::{ResultsError, ShapeFile, VolumeFile};
-use mser3d_volumeio::VolumeFormat;
 
 use crate::Job;
 
@@ -15,7 +14,7 @@ impl RecentVolumes {
 
     /// Reads a shape.
     pub fn read(&self, job: &Job) -> Result<ShapeFile, ResultsError> {
-        if job.options.body.label.is_none() || VolumeFormat::of(&job.path).is_none() {
+        if job.options.body.label.is_none() || job.options.volume_format(&job.path).is_none() {
             return job.read();
         }
         self.volume(job)?.shape(&job.options.body)

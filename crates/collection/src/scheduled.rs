@@ -1,6 +1,7 @@
 //! A batch whose shapes another program hands out, to processes on any machines that share the file system.
 
 use std::path::Path;
+use std::time::Duration;
 
 use mser3d::{Detector, Domain, Estimate};
 use mser3d_results::Extra;
@@ -61,6 +62,8 @@ pub struct ScheduledShape<'a> {
     pub detector: &'a Detector<'a>,
     /// What is written besides.
     pub extras: &'a [Extra],
+    /// How long it may take; a shape that takes longer has failed.
+    pub time_limit: Option<Duration>,
 }
 
 impl ScheduledShape<'_> {
@@ -71,7 +74,7 @@ impl ScheduledShape<'_> {
     pub fn examine(&self) -> Result<Need, CollectionError> {
         self.within(|shape| match shape.look(&|| self.job.read())? {
             Look::Through(outcome) => Ok(Need::Through(outcome)),
-            Look::ToDo(file) => {
+            Look::ToDo(file, _) => {
                 let estimate = guarded(|| Ok(shape.detector.parameters.estimate(&file.input(self.domain)?)));
                 match estimate {
                     Ok(estimate) => Ok(Need::Run(estimate)),
@@ -102,8 +105,9 @@ impl ScheduledShape<'_> {
         &self,
         work: impl FnOnce(&ShapeRun) -> Result<T, CollectionError>,
     ) -> Result<T, CollectionError> {
-        let Self { job, domain, detector, extras, .. } = *self;
-        work(&ShapeRun { folder: &CollectionFolder::join(self.folder)?, job, domain, detector, extras })
+        let Self { job, domain, detector, extras, time_limit, .. } = *self;
+        let folder = &CollectionFolder::join(self.folder)?;
+        work(&ShapeRun { folder, job, domain, detector, extras, time_limit })
     }
 }
 
@@ -138,6 +142,7 @@ mod tests {
             domain: Domain::Volume,
             detector: &detector,
             extras: &[],
+            time_limit: None,
         };
         for outcome in [shape.examine().unwrap(), Need::Through(shape.run().unwrap())] {
             assert!(

@@ -2,13 +2,16 @@
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use std::time::Duration;
 
-use mser3d::{Detector, Domain, Progress};
+use mser3d::{Deadline, DeadlinePassed, Detector, Domain, Progress};
 use mser3d_fileio::write_text;
-use mser3d_results::{Extra, Record, Results, ResultsError, ResultsFolder, ShapeFile};
+use mser3d_results::{Extra, Record, Results, ResultsError, ResultsFolder, ShapeFile, first_damage};
 
 use crate::budget::Budget;
-use crate::folder::CollectionFolder;
+use crate::failure::FAILURE;
+use crate::folder::{CollectionFolder, remove_file};
 use crate::{CollectionError, Failure, Job};
 
 /// What became of a shape.
@@ -18,6 +21,8 @@ pub enum Outcome {
     Kept,
     /// It was computed.
     Done,
+    /// It was computed again, because the result that was there is damaged, as this says.
+    Redone(String),
     /// There is no result, for this reason.
     Failed(String),
 }
@@ -26,8 +31,8 @@ pub enum Outcome {
 pub(crate) enum Look {
     /// No: it has a result, or cannot be read.
     Through(Outcome),
-    /// Yes, and it was read.
-    ToDo(Box<ShapeFile>),
+    /// Yes, and it was read. If there is a result that is damaged, what is wrong with it.
+    ToDo(Box<ShapeFile>, Option<String>),
 }
 
 /// A shape, and all of the batch that it needs.
@@ -37,7 +42,12 @@ pub(crate) struct ShapeRun<'a> {
     pub domain: Domain,
     pub detector: &'a Detector<'a>,
     pub extras: &'a [Extra],
+    /// How long the shape may take.
+    pub time_limit: Option<Duration>,
 }
+
+/// Bytes of memory for a byte of a file that is read, about.
+const READING: u64 = 4;
 
 /// Reads the shape.
 pub(crate) type ReadShape<'a> = &'a dyn Fn() -> Result<ShapeFile, ResultsError>;
@@ -51,13 +61,33 @@ impl ShapeRun<'_> {
             Err(why) => return Ok(Look::Through(self.fail(why.to_string())?)),
         };
         let result = self.folder.result(&self.job.name);
-        let whole = self.extras.iter().all(|extra| result.join(extra.file_name()).is_file());
         let parameters = &self.detector.parameters;
-        let is_same = |record: Record| record.is_of(&file.identity(), self.domain, parameters);
-        if whole && Record::load(&result).is_ok_and(is_same) {
-            return Ok(Look::Through(Outcome::Kept));
+        let is_same = |record: &Record| record.is_of(&file.identity(), self.domain, parameters);
+        let damage = match Record::load(&result) {
+            Ok(record) if is_same(&record) => {
+                let extras = self.extras.iter().map(|extra| result.join(extra.file_name()));
+                let damage = first_damage(&result);
+                if damage.is_none() && extras.into_iter().all(|extra| extra.is_file()) {
+                    self.forget_failure(&result)?;
+                    return Ok(Look::Through(Outcome::Kept));
+                }
+                damage.map(|finding| finding.text)
+            }
+            // What is of other parameters, or of an earlier version, is replaced whatever it is like.
+            Ok(_) | Err(ResultsError::NotAResult { .. } | ResultsError::OtherFormat { .. }) => None,
+            Err(error) => Some(error.to_string()),
+        };
+        Ok(Look::ToDo(Box::new(file), damage))
+    }
+
+    /// Takes away what a run with other parameters says of its failure beside a result that is kept.
+    fn forget_failure(&self, result: &Path) -> Result<(), CollectionError> {
+        let failure = result.join(FAILURE);
+        if failure.is_file() {
+            self.folder.remove_tables()?;
+            remove_file(&failure)?;
         }
-        Ok(Look::ToDo(Box::new(file)))
+        Ok(())
     }
 
     /// Deals with the shape; `progress` hears how many seconds it is expected to take, and what share of it is done. Errors
@@ -69,45 +99,76 @@ impl ShapeRun<'_> {
         progress: &(dyn Fn(f64, f64) + Sync),
     ) -> Result<Outcome, CollectionError> {
         let _shape = tracing::info_span!("shape", name = self.job.name).entered();
-        let file = match self.look(read)? {
+        // While it is read, a file takes a few times its size.
+        let bytes = std::fs::metadata(&self.job.path).map_or(0, |found| found.len());
+        let share = budget.take(bytes.saturating_mul(READING));
+        let deadline = Deadline::new(self.time_limit);
+        let looked = self.look(read)?;
+        drop(share);
+        let (file, damage) = match looked {
             Look::Through(outcome) => return Ok(outcome),
-            Look::ToDo(file) => file,
+            Look::ToDo(file, damage) => (file, damage),
         };
         self.folder.remove_tables()?;
         let partial = self.folder.begin(&self.job.name)?;
         let done = guarded(|| {
             let input = file.input(self.domain)?;
             let estimate = self.detector.parameters.estimate(&input);
+            deadline.check()?;
+            // Waiting for others does not count.
+            let before = deadline.left();
             let share = budget.take(estimate.memory_bytes);
+            let deadline = deadline.resumed(before);
             let told = |told: Progress| {
                 progress(estimate.seconds, told.overall);
+                deadline.go_on()?;
                 (self.detector.progress)(told)
             };
-            let features = self.detector.clone().with_progress(&told).detect(input)?;
+            let features = self.detector.clone().with_progress(&told).detect(input);
+            if let Err(mser3d::Error::Cancelled) = features {
+                deadline.check()?;
+            }
+            let features = features?;
             let results = Results::of_file(&features, &file)?.with_extras(&features, self.extras);
-            ResultsFolder::create(&partial)?.write(&results, self.extras)?;
+            ResultsFolder::create(partial.path())?.write(&results, self.extras)?;
             drop(share);
             Ok(())
         });
         match done {
             Ok(()) => {
-                self.folder.publish(&self.job.name, &partial)?;
-                Ok(Outcome::Done)
+                self.folder.publish(&self.job.name, partial)?;
+                Ok(damage.map_or(Outcome::Done, Outcome::Redone))
             }
             Err(Trouble::Detect(mser3d::Error::Cancelled)) => Err(CollectionError::Cancelled),
-            Err(why) => self.fail(why.to_string()),
+            Err(why) => {
+                drop(partial);
+                self.fail(why.to_string())
+            }
         }
     }
 
-    /// Records a failure in place of a result.
+    /// Records a failure: in place of a result, or beside one of an earlier run, which stays.
     pub fn fail(&self, why: String) -> Result<Outcome, CollectionError> {
         self.folder.remove_tables()?;
-        let partial = self.folder.begin(&self.job.name)?;
-        let path = partial.join("failure.json");
-        let json = serde_json::to_string_pretty(&Failure::new(self.job, why.clone()));
-        let json = json.map_err(|e| CollectionError::io(&path)(e.into()))?;
-        write_text(&path, &(json + "\n"))?;
-        self.folder.publish(&self.job.name, &partial)?;
+        let kept = self.folder.has_result(&self.job.name);
+        let json = serde_json::to_string_pretty(&Failure::new(self.job, why.clone(), kept));
+        let write = |folder: &Path| {
+            let path = folder.join(FAILURE);
+            let json = json.map_err(|e| CollectionError::io(&path)(e.into()))?;
+            Ok::<(), CollectionError>(write_text(
+                &path,
+                &(json
+                    + "\
+"),
+            )?)
+        };
+        if kept {
+            write(&self.folder.result(&self.job.name))?;
+        } else {
+            let partial = self.folder.begin(&self.job.name)?;
+            write(partial.path())?;
+            self.folder.publish(&self.job.name, partial)?;
+        }
         Ok(Outcome::Failed(why))
     }
 }
@@ -119,6 +180,8 @@ pub(crate) enum Trouble {
     Results(#[from] ResultsError),
     #[error(transparent)]
     Detect(#[from] mser3d::Error),
+    #[error(transparent)]
+    Deadline(#[from] DeadlinePassed),
     #[error("a bug in mser3d, please report it: {0}")]
     Panic(String),
 }

@@ -1,11 +1,12 @@
 use std::path::Path;
 
 use mser3d::spectral::EigenpairRange;
-use mser3d_fileio::{NpyValues, read_npz, write_text};
-use mser3d_results::{Record, ResultsError, sidedness_certainty, sidedness_kind};
+use mser3d_fileio::{InputFile, NpyValues, read_npz, write_text};
+use mser3d_results::{Checksums, Record, ResultsError, sidedness_certainty, sidedness_kind};
 use serde::Serialize;
 
-use crate::folder::{CollectionFolder, result_names};
+use crate::failure::FAILURE;
+use crate::folder::{CollectionFolder, TABLES, result_names};
 use crate::job::SkippedLabel;
 use crate::label_tables;
 use crate::parquet::{self, Column};
@@ -18,15 +19,20 @@ pub struct Tables {
     pub shapes: usize,
     /// Their regions: rows of `regions.parquet`.
     pub regions: usize,
-    /// Shapes without a result: entries of `failures.json`.
+    /// Shapes that failed: entries of `failures.json`.
     pub failures: usize,
 }
+
+/// The names of the tables.
+pub(crate) const REGIONS_TABLE: &str = "regions.parquet";
+pub(crate) const SHAPES_TABLE: &str = "shapes.parquet";
 
 /// The key under which `regions.parquet` notes how its descriptors were made.
 pub(crate) const SETTINGS: &str = "mser3d.descriptor_settings";
 
 /// Makes `shapes.parquet`, `regions.parquet` and `failures.json` of all results in a folder, by name: the
-/// last step of a batch that was run in shards. The same results make the same bytes.
+/// last step of a batch that was run in shards. The same results make the same bytes. A shape that failed and has a result of an
+/// earlier run is in `failures.json`, and in the tables only if its descriptors compare with those of the others.
 ///
 /// | `shapes.parquet` | |
 /// |---|---|
@@ -61,40 +67,59 @@ pub(crate) fn build(folder: &CollectionFolder, skipped: &[SkippedLabel]) -> Resu
     let root = folder.path();
     folder.remove_tables()?;
     let names = result_names(root)?;
-    let mut rows = Rows::default();
-    let (mut records, mut failures) = (Vec::new(), Vec::new());
-    let mut settings: Option<(String, DescriptorSettings)> = None;
+    let (mut found, mut failures) = (Vec::new(), Vec::new());
     for name in names {
         let result = folder.result(&name);
-        let failure = result.join("failure.json");
-        if let Ok(text) = std::fs::read(&failure) {
-            let broken = |e: serde_json::Error| ResultsError::Broken { path: failure, reason: e.to_string() };
-            failures.push(serde_json::from_slice::<Failure>(&text).map_err(broken)?);
-            continue;
-        }
-        let record = match Record::load(&result) {
-            Err(ResultsError::NotAResult { .. }) => continue,
-            record => record?,
+        let failure = result.join(FAILURE);
+        let failed = match InputFile::read_all(&failure) {
+            Ok(text) => {
+                let broken =
+                    |e: serde_json::Error| ResultsError::Broken { path: failure, reason: e.to_string() };
+                failures.push(serde_json::from_slice::<Failure>(&text).map_err(broken)?);
+                true
+            }
+            Err(_) => false,
         };
-        records.push((name, record));
+        match Record::load(&result) {
+            Ok(record) => found.push(Found { name, record, failed }),
+            // What is of an earlier run, and cannot be read, has failed anyhow.
+            Err(_) if failed => {}
+            Err(ResultsError::NotAResult { .. }) => {}
+            Err(error) => return Err(error.into()),
+        }
     }
     // The descriptors of a shape with fewer eigenpairs than the others compare with none of theirs.
-    let all_small = records.iter().all(|(_, record)| has_few_eigenpairs(record));
-    for (name, record) in &records {
-        let result = folder.result(name);
-        let mut values = descriptors(&result, record.regions.len())?;
-        let own = DescriptorSettings::of(record);
-        match &settings {
-            _ if has_few_eigenpairs(record) && !all_small => values.fill(f64::NAN),
-            None => settings = Some((name.clone(), own)),
-            Some((first, settings)) => {
-                if let Some(what) = settings.difference(&own) {
-                    let first = folder.result(first);
-                    return Err(CollectionError::DifferentDescriptors { first, second: result, what });
-                }
+    let all_small = found.iter().all(|shape| has_few_eigenpairs(&shape.record));
+    let is_small = |shape: &Found| has_few_eigenpairs(&shape.record) && !all_small;
+    // Results that an earlier run left where this one failed come in only if they compare with the others.
+    let compared = found.iter().filter(|shape| !is_small(shape));
+    let first = compared.clone().find(|shape| !shape.failed).or(compared.clone().next());
+    let settings = first.map(|shape| (shape.name.clone(), DescriptorSettings::of(&shape.record)));
+    let mut rows = Rows::default();
+    let mut records = Vec::new();
+    for shape in found {
+        let small = is_small(&shape);
+        let Found { name, record, failed } = shape;
+        let result = folder.result(&name);
+        let own = DescriptorSettings::of(&record);
+        let difference = settings.as_ref().filter(|_| !small).and_then(|(_, known)| known.difference(&own));
+        match (difference, &settings) {
+            (Some(_), _) if failed => continue,
+            (Some(what), Some((first, _))) => {
+                let first = folder.result(first);
+                return Err(CollectionError::DifferentDescriptors { first, second: result, what });
             }
+            _ => {}
         }
-        rows.push(name.clone(), record, values);
+        let mut values = match descriptors(&result, record.regions.len()) {
+            Err(_) if failed => continue,
+            values => values?,
+        };
+        if small {
+            values.fill(f64::NAN);
+        }
+        rows.push(name.clone(), &record, values);
+        records.push((name, record));
     }
     let tables = Tables { shapes: rows.shape.len(), regions: rows.of_shape.len(), failures: failures.len() };
     if tables.shapes + tables.failures == 0 {
@@ -107,7 +132,16 @@ pub(crate) fn build(folder: &CollectionFolder, skipped: &[SkippedLabel]) -> Resu
     let settings = settings.map_or(String::new(), |(_, s)| serde_json::to_string(&s).unwrap_or_default());
     rows.write(root, settings)?;
     label_tables::write(root, &records, &failures, skipped)?;
+    let written: Vec<&str> = TABLES.into_iter().filter(|name| root.join(name).is_file()).collect();
+    Checksums::add(root, &written)?;
     Ok(tables)
+}
+
+/// A result in the folder, and whether the last run of its shape failed.
+struct Found {
+    name: String,
+    record: Record,
+    failed: bool,
 }
 
 /// Whether a shape is so small that it has fewer eigenpairs than are used by default.
@@ -120,11 +154,19 @@ fn has_few_eigenpairs(record: &Record) -> bool {
 
 /// The descriptors of a result's regions, row by row.
 fn descriptors(result: &Path, regions: usize) -> Result<Vec<f64>, CollectionError> {
-    let path = result.join("features.npz");
+    let name = "features.npz";
+    Checksums::load(result)?.check(result, name)?;
+    let path = result.join(name);
     let arrays = read_npz(&path)?;
     match arrays.get("region_descriptor").map(|a| (a.shape(), a.values())) {
         Some((&[rows, width], NpyValues::F64(values))) if rows == regions && (width > 0 || rows == 0) => {
-            Ok(values.to_vec())
+            match values.iter().all(|x| x.is_finite()) {
+                true => Ok(values.to_vec()),
+                false => {
+                    let reason = "array region_descriptor holds a value that is not finite".to_owned();
+                    Err(ResultsError::Broken { path, reason }.into())
+                }
+            }
         }
         _ => {
             let reason = format!("there is no array region_descriptor of {regions} rows");
@@ -235,7 +277,7 @@ impl Rows {
             ("z", Column::Number(z)),
             ("descriptor", Column::Numbers { width, values: self.descriptor }),
         ];
-        parquet::write(&root.join("regions.parquet"), &regions, &[(SETTINGS, settings)])?;
+        parquet::write(&root.join(REGIONS_TABLE), &regions, &[(SETTINGS, settings)])?;
         let shapes = [
             ("shape", Column::Text(self.shape)),
             ("path", Column::Text(self.path)),
@@ -255,6 +297,6 @@ impl Rows {
             ("sidedness", Column::OptionalText(self.sidedness)),
             ("sidedness_certainty", Column::OptionalNumber(self.sidedness_certainty)),
         ];
-        parquet::write(&root.join("shapes.parquet"), &shapes, &[])
+        parquet::write(&root.join(SHAPES_TABLE), &shapes, &[])
     }
 }

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use mser3d_fileio::InputFile;
+
 use crate::{EvaluationError, mat5};
 
 /// Reads a left-right symmetry for [`NullShape::with_symmetry`](crate::NullShape::with_symmetry): the
@@ -11,7 +13,8 @@ use crate::{EvaluationError, mat5};
 /// # Errors
 /// [`EvaluationError::Read`], [`EvaluationError::BadFile`] or [`EvaluationError::BadLine`].
 pub fn read_symmetry(path: &Path, vertices: usize) -> Result<Vec<u32>, EvaluationError> {
-    let bytes = std::fs::read(path).map_err(|source| EvaluationError::Read { path: path.into(), source })?;
+    let bytes =
+        InputFile::read_all(path).map_err(|source| EvaluationError::Read { path: path.into(), source })?;
     parse(&bytes, path, vertices)
 }
 

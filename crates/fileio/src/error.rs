@@ -1,3 +1,4 @@
+use crate::OverLimit;
 use std::path::{Path, PathBuf};
 
 /// Why a file could not be read or written. Each message names the file and says what to do.
@@ -11,6 +12,14 @@ pub enum FileError {
         path: PathBuf,
         /// What the operating system said.
         source: std::io::Error,
+    },
+    /// It declares or holds more than the limits of reading allow; refused before memory is taken.
+    #[error("{}: {source}", path.display())]
+    OverLimit {
+        /// The file.
+        path: PathBuf,
+        /// What it declares, the limit, and what to do.
+        source: OverLimit,
     },
     /// The operating system refused to write; nothing was left behind.
     #[error("{}: cannot be written: {source}; check that the folder exists, is writable and has room", path.display())]

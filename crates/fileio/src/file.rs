@@ -1,15 +1,37 @@
-use crate::FileError;
+use crate::folder::put_on_disk;
+use crate::{FileError, InputFile, ReadLimits, Unfinished};
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Read, Write};
 use std::path::Path;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Reads a whole file.
+/// Reads a whole file, which has to be a regular one ([`InputFile`]).
 ///
 /// # Errors
 /// [`FileError::Read`].
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
-    std::fs::read(path).map_err(|source| FileError::Read { path: path.to_path_buf(), source })
+    InputFile::read_all(path).map_err(|source| FileError::Read { path: path.to_path_buf(), source })
+}
+
+/// Reads a whole file that must not take more memory than the limits allow, `each` bytes for a byte of it: those of the file
+/// itself and of what is made of it.
+///
+/// # Errors
+/// [`FileError::Read`], [`FileError::OverLimit`].
+pub fn read_bytes_within(path: &Path, limits: &ReadLimits, each: u64) -> Result<Vec<u8>, FileError> {
+    let fault = |source| FileError::Read { path: path.to_path_buf(), source };
+    let over = |source| FileError::OverLimit { path: path.to_path_buf(), source };
+    let file = InputFile::open(path).map_err(fault)?;
+    let length = file.len().map_err(fault)?;
+    let check = |bytes: u64| {
+        limits.check_memory(bytes.saturating_mul(each), || format!("it has {bytes} bytes")).map_err(over)
+    };
+    check(length)?;
+    // It may grow.
+    let most = limits.left() / each.max(1);
+    let mut bytes = Vec::new();
+    file.take(most.saturating_add(1)).read_to_end(&mut bytes).map_err(fault)?;
+    check(bytes.len() as u64)?;
+    Ok(bytes)
 }
 
 /// The name of a file without its folder and ending, which may be a double one: `brain` of `brain.nii.gz`.
@@ -33,7 +55,11 @@ pub fn file_stem(path: &Path) -> String {
 
 /// Writes a file so that nobody ever sees half of it: into a temporary file of the same folder,
 /// which takes the name when it is complete. After an error or a crash, what was at `path` before
-/// is still there. (A process that is killed leaves `.NAME.*.partial` behind.)
+/// is still there. (A process that is killed leaves `.NAME.*.partial` behind; one that is told to stop can
+/// [`abandon`](crate::abandon) it.)
+///
+/// A file that takes another's place is on the disk before it does: after a power loss, the old one or the new one is
+/// there. One that takes no other's place may be gone then, or cut short.
 ///
 /// A link is followed, and stays. What is no file, such as a pipe or `/dev/stdout`, is written to as it is.
 ///
@@ -54,7 +80,6 @@ pub fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
 ) -> Result<(), FileError> {
-    let _writing = Writing::begin();
     let attempt = || {
         let there = std::fs::metadata(path).ok().map(|found| found.file_type());
         if there.is_some_and(|kind| !kind.is_file() && !kind.is_dir()) {
@@ -73,40 +98,20 @@ pub fn write_atomically(
         // Temporary files are private by default; a result is as readable as any new file.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let file = builder.tempfile_in(folder)?;
+        let (unfinished, file) = Unfinished::make(|| {
+            let file = builder.tempfile_in(folder)?;
+            Ok((file.path().to_owned(), file))
+        })?;
         let mut out = BufWriter::with_capacity(1 << 16, file.as_file());
         write(&mut out)?;
         out.flush()?;
         drop(out);
-        file.persist(path).map_err(|e| e.error)?;
-        Ok(())
+        if there.is_some() {
+            put_on_disk(file.as_file())?;
+        }
+        unfinished.finish(|_| file.persist(path).map(drop).map_err(|e| e.error))
     };
     attempt().map_err(|source| FileError::Write { path: path.to_path_buf(), source })
-}
-
-static WRITERS: AtomicUsize = AtomicUsize::new(0);
-
-/// While it is there, something is being written that should not be left half done.
-#[derive(Debug)]
-pub struct Writing(());
-
-impl Writing {
-    /// From now on [`is_writing`].
-    pub fn begin() -> Self {
-        WRITERS.fetch_add(1, Ordering::SeqCst);
-        Self(())
-    }
-}
-
-impl Drop for Writing {
-    fn drop(&mut self) {
-        WRITERS.fetch_sub(1, Ordering::SeqCst);
-    }
-}
-
-/// Whether a file is being written in this process: a program that is asked to stop waits for it.
-pub fn is_writing() -> bool {
-    WRITERS.load(Ordering::SeqCst) > 0
 }
 
 /// Writes a whole text by [`write_atomically`].

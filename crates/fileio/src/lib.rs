@@ -1,8 +1,12 @@
 //! Files written whole or not at all, and NumPy's arrays.
 //!
 //! * [`write_atomically`] and [`write_text`] write to the side and rename: nobody ever sees half of a file.
+//! * [`Unfinished`] is a file or a folder that is being made; a program that is told to stop takes all of them away by
+//!   [`abandon`].
 //! * [`read_npy`] and [`write_npy`] read and write one array, [`read_npz`] and [`write_npz`] several with
 //!   names. The same arrays make the same bytes.
+//! * [`ReadLimits`] bounds what every reader of ours may take, and says which files a file may name.
+//! * [`FolderLock`] keeps other processes out of a folder, and [`sync_folder`] waits until one is on the disk.
 //!
 //! A damaged file ends in a [`FileError`] that names the file, never in a panic. Memory is bounded by the
 //! size of the file, not by what its header promises.
@@ -31,13 +35,21 @@
 
 mod error;
 mod file;
+mod folder;
+mod input;
+mod limits;
 mod npy;
 mod npz;
+mod unfinished;
 
 pub use error::FileError;
-pub use file::{Writing, file_stem, is_writing, read_bytes, write_atomically, write_text};
+pub use file::{file_stem, read_bytes, read_bytes_within, write_atomically, write_text};
+pub use folder::{FolderLock, sync_folder, sync_names};
+pub use input::{InputFile, STDIN, take_stdin};
+pub use limits::{OverLimit, ReadLimits};
 pub use npy::{NpyArray, NpyValues, read_npy, write_npy};
 pub use npz::{read_npz, write_npz};
+pub use unfinished::{Unfinished, Writing, abandon};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -1,7 +1,8 @@
 //! Arrays as numpy stores them: the `.npy` format, version 1.0 and later.
 
+use crate::ReadLimits;
 use crate::error::{Fault, FileError};
-use crate::file::{read_bytes, write_atomically};
+use crate::file::{read_bytes_within, write_atomically};
 use std::borrow::Cow;
 use std::io::{self, Write};
 use std::path::Path;
@@ -87,13 +88,13 @@ impl<'a> NpyArray<'a> {
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
 
 /// Reads a file of `numpy.save`: the array, and whether its *first* axis is the fastest (numpy's
-/// Fortran order) instead of the last. `bool` is read as 0 and 1.
+/// Fortran order) instead of the last. `bool` is read as 0 and 1. Memory is twice the size of the file.
 ///
 /// # Errors
-/// [`FileError::Read`]; [`FileError::Invalid`] for a broken or truncated file;
+/// [`FileError::Read`]; [`FileError::OverLimit`]; [`FileError::Invalid`] for a broken or truncated file;
 /// [`FileError::Unsupported`] for other types of numbers, big-endian ones included.
-pub fn read_npy(path: &Path) -> Result<(NpyArray<'static>, bool), FileError> {
-    let stored = parse(&read_bytes(path)?).map_err(|fault| fault.in_file(path))?;
+pub fn read_npy(path: &Path, limits: &ReadLimits) -> Result<(NpyArray<'static>, bool), FileError> {
+    let stored = parse(&read_bytes_within(path, limits, 2)?).map_err(|fault| fault.in_file(path))?;
     Ok((stored.array, stored.first_axis_fastest))
 }
 

@@ -45,15 +45,17 @@ fn parse(bytes: &[u8]) -> Result<BTreeMap<String, NpyArray<'static>>, Fault> {
     };
     let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(broken)?;
     let mut arrays = BTreeMap::new();
+    // Stored one after the other, so that all arrays together are no larger than the file.
+    let mut left = bytes.len() as u64;
     for number in 0..archive.len() {
         let mut file = archive.by_index(number).map_err(broken)?;
         let name = file.name().map_err(broken)?.into_owned();
         let name = name.strip_suffix(".npy").unwrap_or(&name).to_owned();
         let in_array = |reason: String| Fault::invalid(format!("array {name:?}: {reason}"));
         let mut data = Vec::new();
-        // Stored, so no array is larger than the file.
-        let limit = bytes.len() as u64;
-        file.by_ref().take(limit).read_to_end(&mut data).map_err(|e| in_array(e.to_string()))?;
+        file.by_ref().take(left + 1).read_to_end(&mut data).map_err(|e| in_array(e.to_string()))?;
+        let rest = left.checked_sub(data.len() as u64);
+        left = rest.ok_or_else(|| in_array("it shares its bytes with another array".into()))?;
         let stored = npy::parse(&data).map_err(|fault| in_array(fault.into_reason()))?;
         if stored.first_axis_fastest && stored.array.shape().len() > 1 {
             return Err(in_array("it is in Fortran order; save it through numpy.ascontiguousarray".into()));
@@ -100,5 +102,31 @@ mod tests {
         let twice = [arrays[0].clone(), arrays[0].clone()];
         assert!(write_npz(&paths[0], &twice).unwrap_err().to_string().contains("a.npz"));
         assert_eq!(std::fs::read(&paths[0]).unwrap(), bytes);
+    }
+    #[test]
+    fn arrays_that_share_their_bytes_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.npz");
+        write_npz(&path, &[("a", NpyArray::flat(vec![0u8; 100_000]))]).unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        assert_eq!(parse(&bytes).unwrap().len(), 1);
+        // The directory is at the end: the entry, and 22 bytes that say how many there are and where they begin.
+        let end = bytes.len() - 22;
+        let start = u32::from_le_bytes(bytes[end + 16..end + 20].try_into().unwrap()) as usize;
+        let (entry, mut last) = (&bytes[start..end], bytes[end..].to_vec());
+        let mut bomb = bytes[..start].to_vec();
+        let count = 26u16;
+        for letter in 0..count as u8 {
+            let mut entry = entry.to_vec();
+            let name = entry.windows(5).position(|w| w == b"a.npy").unwrap();
+            entry[name] = b'a' + letter;
+            bomb.extend(entry);
+        }
+        last[8..10].copy_from_slice(&count.to_le_bytes());
+        last[10..12].copy_from_slice(&count.to_le_bytes());
+        last[12..16].copy_from_slice(&(entry.len() as u32 * u32::from(count)).to_le_bytes());
+        bomb.extend(last);
+        let error = parse(&bomb).unwrap_err().into_reason();
+        assert!(error.contains("shares its bytes with another array"), "{error}");
     }
 }

@@ -1,5 +1,5 @@
 use crate::{AnimationInfo, MeshFormat};
-use mser3d_fileio::FileError;
+use mser3d_fileio::{FileError, OverLimit};
 use mser3d_shape::{InvalidParameter, ShapeError};
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshIoError {
-    /// The operating system refused to read or to write.
+    /// The operating system refused to read or to write, or the file is over the limits of reading.
     #[error(transparent)]
     File(#[from] FileError),
     /// The extension belongs to no known format.
@@ -129,17 +129,24 @@ impl fmt::Display for Available<'_> {
     }
 }
 
+impl From<OverLimit> for Fault {
+    fn from(over: OverLimit) -> Self {
+        Self { over: Some(over.clone()), ..Self::new(over.to_string()) }
+    }
+}
+
 /// What a parser finds wrong, before the path is known.
 #[derive(Debug)]
 pub(crate) struct Fault {
     line: Option<usize>,
     unsupported: bool,
+    over: Option<OverLimit>,
     reason: String,
 }
 
 impl Fault {
     pub(crate) fn new(reason: impl Into<String>) -> Self {
-        Self { line: None, unsupported: false, reason: reason.into() }
+        Self { line: None, unsupported: false, over: None, reason: reason.into() }
     }
 
     pub(crate) fn at(line: usize, reason: impl Into<String>) -> Self {
@@ -147,7 +154,7 @@ impl Fault {
     }
 
     pub(crate) fn unsupported(line: Option<usize>, reason: impl Into<String>) -> Self {
-        Self { line, unsupported: true, reason: reason.into() }
+        Self { line, unsupported: true, over: None, reason: reason.into() }
     }
 
     /// The same, with what to do about it; faults of what is not supported say so themselves.
@@ -173,8 +180,11 @@ impl Fault {
     }
 
     pub(crate) fn in_file(self, path: &Path) -> MeshIoError {
-        let Self { line, unsupported, reason } = self;
+        let Self { line, unsupported, over, reason } = self;
         let path = path.to_path_buf();
+        if let Some(source) = over {
+            return FileError::OverLimit { path, source }.into();
+        }
         match unsupported {
             true => MeshIoError::Unsupported { path, line, reason },
             false => MeshIoError::Invalid { path, line, reason },

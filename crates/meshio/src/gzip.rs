@@ -1,5 +1,6 @@
 //! Files packed by gzip.
 
+use crate::budget::Budget;
 use crate::error::Fault;
 use flate2::read::MultiGzDecoder;
 use std::borrow::Cow;
@@ -27,10 +28,12 @@ pub(crate) fn peek(bytes: &[u8]) -> (Cow<'_, [u8]>, u64) {
 const SURELY_FINE: usize = 1 << 30;
 
 /// The contents of a file that may be packed.
-pub(crate) fn unpack(bytes: &[u8]) -> Result<Cow<'_, [u8]>, Fault> {
+pub(crate) fn unpack<'a>(bytes: &'a [u8], budget: &Budget) -> Result<Cow<'a, [u8]>, Fault> {
     if !is_packed(bytes) {
         return Ok(bytes.into());
     }
+    budget.take(bytes.len() as u64, || format!("it has {} bytes", bytes.len()))?;
+    let most = budget.left();
     let limit = SURELY_FINE.max(bytes.len().saturating_mul(256));
     let mut out: Vec<u8> = Vec::new();
     let mut decoder = MultiGzDecoder::new(bytes);
@@ -43,6 +46,11 @@ pub(crate) fn unpack(bytes: &[u8]) -> Result<Cow<'_, [u8]>, Fault> {
         })?;
         if read == 0 {
             return Ok(out.into());
+        }
+        if (out.len() + read) as u64 > most {
+            budget.take((out.len() + read) as u64, || {
+                format!("its {} bytes unpack to more than {}", bytes.len(), out.len())
+            })?;
         }
         if out.len() + read > limit || out.try_reserve(read).is_err() {
             let reason = format!(
@@ -60,6 +68,7 @@ pub(crate) fn unpack(bytes: &[u8]) -> Result<Cow<'_, [u8]>, Fault> {
 mod tests {
     use super::*;
     use flate2::{Compression, write::GzEncoder};
+    use mser3d_fileio::ReadLimits;
     use std::io::Write;
 
     fn packed(bytes: &[u8]) -> Vec<u8> {
@@ -71,12 +80,16 @@ mod tests {
     #[test]
     fn members_follow_one_another_and_truncation_is_an_error() {
         let two = [packed(b"OFF 1"), packed(b" 2 3")].concat();
-        assert_eq!(unpack(&two).unwrap(), &b"OFF 1 2 3"[..]);
-        assert_eq!(unpack(b"OFF").unwrap(), &b"OFF"[..]);
+        assert_eq!(unpack(&two, &Budget::new(&ReadLimits::default())).unwrap(), &b"OFF 1 2 3"[..]);
+        assert_eq!(unpack(b"OFF", &Budget::new(&ReadLimits::default())).unwrap(), &b"OFF"[..]);
         let one = packed(&[b'v'; 999]);
         assert_eq!(peek(&one), (vec![b'v'; 999].into(), 999));
         for end in 3..one.len() {
-            assert!(unpack(&one[..end]).is_err(), "{end} of {} bytes", one.len());
+            assert!(
+                unpack(&one[..end], &Budget::new(&ReadLimits::default())).is_err(),
+                "{end} of {} bytes",
+                one.len()
+            );
         }
     }
 }

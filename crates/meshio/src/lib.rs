@@ -37,7 +37,10 @@
 //! * A file may hold anything. Damaged ones end in a [`MeshIoError`] that names the file and the line,
 //!   never in a panic; memory is bounded by the size of the file, not by the counts it declares.
 //!   (A glTF scene may show one mesh at many nodes and instances: memory is bounded by what is shown. A
-//!   packed file is bounded by what it unpacks to, at most 256 times its size or 1 GiB.)
+//!   packed file is bounded by what it unpacks to, at most 256 times its size or 1 GiB.) [`ReadOptions::limits`] bounds
+//!   it as well: what would take more is refused before the memory is taken.
+//! * Of other files, only buffers that a glTF file names are read: regular files in its folder or below, unless the limits
+//!   allow others. Material files of OBJ are never opened.
 //! * OFF, PLY and VTP are written in f64, every bit kept; GLB in f32, relative to the mesh's centre where that is
 //!   far from the origin. [`write_glb`] tells if that lost anything.
 //! * Files are written to the side and renamed ([`write_atomically`](mser3d_fileio::write_atomically)):
@@ -76,9 +79,9 @@
 //! use std::path::Path;
 //!
 //! let path = Path::new("fox.glb");
-//! let walk = &list_animations(path)?[0];
+//! let walk = &list_animations(path, &Default::default())?[0];
 //! for time in walk.frame_times(24.0)? {
-//!     let options = ReadOptions { animation: Some(walk.index.to_string()), time };
+//!     let options = ReadOptions { animation: Some(walk.index.to_string()), time, ..Default::default() };
 //!     println!("{time:.3} s: {}", read_mesh(path, &options)?.mesh.signed_volume());
 //! }
 //! # Ok::<(), mser3d_meshio::MeshIoError>(())
@@ -86,6 +89,7 @@
 #![warn(missing_docs)]
 
 mod boundary;
+mod budget;
 mod cells;
 mod error;
 mod format;

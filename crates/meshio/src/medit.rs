@@ -33,6 +33,10 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
                 }
             }
             b"Vertices" => {
+                // Elements that were read name those of the first.
+                if vertices.is_some() {
+                    return Err(tokens.fault("Vertices come a second time; a file holds one mesh"));
+                }
                 let count = count(&mut tokens, 4)?;
                 let mut positions = Vec::with_capacity(count);
                 for _ in 0..count {
@@ -182,6 +186,8 @@ mod tests {
         };
         assert!(message("Tetrahedra 1\n1 3 2 6 5\n").starts_with("a.mesh:12: an element names vertex 6"));
         assert!(message("Tetrahedra 9999999\n1 3 2 4 5\n").contains("9999999 rows are declared"));
+        let twice = message("Tetrahedra 1\n1 3 2 4 5\nVertices 1\n0 0 0 1\n");
+        assert!(twice.starts_with("a.mesh:13: Vertices come a second time"), "{twice}");
         assert!(message("HexahedraQ9 1\n1 2 3\n").contains("only \"HexahedraQ9\"; save it"));
         assert!(message("Triangles 1\n1 2 3      ").contains("the file ends before the element's reference"));
     }

@@ -1,8 +1,9 @@
+use crate::budget::Budget;
 use crate::error::Fault;
 use crate::vtk::{legacy, xml};
 use crate::write::check_length;
 use crate::{MeshFormat, MeshIoError, gltf, gmsh, gzip, medit, obj, off, ply, stl};
-use mser3d_fileio::read_bytes;
+use mser3d_fileio::{ReadLimits, read_bytes_within};
 use mser3d_shape::{InvalidParameter, TriangleMesh};
 use std::path::Path;
 
@@ -15,6 +16,8 @@ pub struct ReadOptions {
     /// When in the animation, in seconds. Before the first key the figure holds still; a time after the last one is an error.
     /// Zero without an animation.
     pub time: f64,
+    /// What reading may take, and where a file may lead.
+    pub limits: ReadLimits,
 }
 
 impl ReadOptions {
@@ -78,12 +81,12 @@ pub(crate) struct Parsed {
 /// Reads the mesh of a file, in the format that its extension names and its contents confirm.
 ///
 /// Cost: one pass over the file, which is held in memory; memory beyond that is proportional to the
-/// file, whatever counts it declares.
+/// file, whatever counts it declares. What may take more than the limits allow is refused before.
 ///
 /// # Errors
 /// Every [`MeshIoError`] but that of a refused write.
 pub fn read_mesh(path: &Path, options: &ReadOptions) -> Result<LoadedMesh, MeshIoError> {
-    let bytes = read_bytes(path)?;
+    let bytes = read_bytes_within(path, &options.limits, 1)?;
     read_mesh_from(MeshFormat::of(path, &bytes)?, &bytes, path, options)
 }
 
@@ -99,9 +102,9 @@ pub fn read_mesh_from(
     options: &ReadOptions,
 ) -> Result<LoadedMesh, MeshIoError> {
     options.validate()?;
-    let packed = bytes;
-    let bytes = &gzip::unpack(packed).map_err(|fault| fault.in_file(path))?[..];
     let fault = |fault: Fault| fault.in_file(path);
+    let budget = Budget::new(&options.limits);
+    let bytes = &gzip::unpack(bytes, &budget).map_err(fault)?[..];
     if bytes.trim_ascii().is_empty() {
         return Err(fault(Fault::new("the file is empty; export or copy it again")));
     }
@@ -115,17 +118,20 @@ pub fn read_mesh_from(
     if text && (bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff")) {
         return Err(fault(Fault::unsupported(None, "the text is in UTF-16; save it in ASCII or UTF-8")));
     }
+    let length = bytes.len() as u64;
+    let parsing = length.saturating_mul(format.memory_per_byte());
+    budget.take(parsing, || format!("it has {length} bytes")).map_err(fault)?;
     let parsed = match format {
         MeshFormat::Obj => obj::parse(bytes).map_err(fault)?,
         MeshFormat::Off => off::parse(bytes).map_err(fault)?,
         MeshFormat::Ply => ply::parse(bytes).map_err(fault)?,
         MeshFormat::Stl => stl::parse(bytes).map_err(fault)?,
-        MeshFormat::Vtu => xml::parse(bytes, xml::DataSet::UnstructuredGrid).map_err(fault)?,
-        MeshFormat::Vtp => xml::parse(bytes, xml::DataSet::PolyData).map_err(fault)?,
+        MeshFormat::Vtu => xml::parse(bytes, xml::DataSet::UnstructuredGrid, &budget).map_err(fault)?,
+        MeshFormat::Vtp => xml::parse(bytes, xml::DataSet::PolyData, &budget).map_err(fault)?,
         MeshFormat::Vtk => legacy::parse(bytes).map_err(fault)?,
         MeshFormat::Msh => gmsh::parse(bytes).map_err(fault)?,
         MeshFormat::Medit => medit::parse(bytes).map_err(fault)?,
-        MeshFormat::Gltf | MeshFormat::Glb => gltf::parse(format, bytes, path, options)?,
+        MeshFormat::Gltf | MeshFormat::Glb => gltf::parse(format, bytes, path, options, &budget)?,
     };
     let Parsed { vertices, triangles, weld, polygons, notes } = parsed;
     // Where vertices come with their triangles, it is the triangles that are missing.

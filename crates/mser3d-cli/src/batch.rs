@@ -4,14 +4,16 @@ use std::path::{Path, PathBuf};
 
 use mser3d::{Detector, Parameters, ProgressFn};
 use mser3d_collection::{
-    BatchParameters, BatchSummary, CollectionError, Event, Frames, Job, Plan, PlanParameters, ScheduledShape,
-    Shard, Tables, build_tables, plan, run_batch,
+    BatchParameters, BatchSummary, CollectionError, CollectionFolder, DamagedShape, Event, Frames, Job, Plan,
+    PlanParameters, ScheduledShape, Shard, Tables, build_tables, plan, run_batch_in,
 };
 use mser3d_meshio::ReadOptions;
 use mser3d_results::{ShapeFile, ShapeOptions};
 
 use crate::error::{CliError, print, print_json};
 use crate::input::reading;
+use crate::interrupt;
+use crate::message;
 use crate::options::RegionOptions;
 use crate::output::folder;
 use crate::progress::BatchMeter;
@@ -78,7 +80,7 @@ impl BatchArgs {
         if let Some(reference) = &self.reference {
             let file = match plan.jobs.first() {
                 Some(job) if reference == Path::new("first") => job.read()?,
-                _ => ShapeFile::read(reference, &ShapeOptions::default()).map_err(reading)?,
+                _ => ShapeFile::read(reference, &planned.volumes.limits_alone()).map_err(reading)?,
             };
             let scaled = parameters.with_scale_of(file.input(self.options.domain())?);
             parameters = scaled.map_err(|e| CliError::detection(&file.path, e))?;
@@ -126,8 +128,9 @@ impl BatchArgs {
         if let Some(spectra) = &spectra {
             detector.spectra = spectra;
         }
-        let (domain, extras) = (self.options.domain(), &self.many.write);
-        Ok(work(&ScheduledShape { folder: &self.output, job, domain, detector: &detector, extras })?)
+        let (folder, domain, extras) = (&self.output, self.options.domain(), &self.many.write);
+        let time_limit = self.options.limits.time();
+        Ok(work(&ScheduledShape { folder, job, domain, detector: &detector, extras, time_limit })?)
     }
 }
 
@@ -144,10 +147,12 @@ pub(crate) fn run(args: &BatchArgs) -> Result<(), CliError> {
     let batch = BatchParameters {
         workers: args.many.workers(),
         memory: parameters.spectrum.memory_limit.unwrap_or(u64::MAX),
+        time_limit: args.options.limits.time(),
         extras: args.many.write.clone(),
         shard,
     };
-    let summary = run_plan(&args.many.run, &args.options, &args.output, &plan, parameters, &batch)?;
+    let folder = CollectionFolder::open(&args.output, batch.shard)?;
+    let summary = run_plan(&args.many.run, &args.options, &folder, &plan, parameters, &batch)?;
     tell(&args.many.run, args.json, &args.output, &plan, &summary)
 }
 
@@ -155,15 +160,17 @@ pub(crate) fn run(args: &BatchArgs) -> Result<(), CliError> {
 pub(crate) fn run_plan(
     run: &RunOptions,
     options: &RegionOptions,
-    output: &Path,
+    folder: &CollectionFolder,
     plan: &Plan,
     parameters: Parameters,
     batch: &BatchParameters,
 ) -> Result<BatchSummary, CliError> {
+    interrupt::keeps_what_is_done();
     let meter = BatchMeter::new(run.quiet);
-    let detector = Detector::new(parameters);
+    let stop = |_| interrupt::go_on();
+    let detector = Detector::new(parameters).with_progress(&stop);
     let (heard, warn) = (|event: Event| meter.report(&event), |what: &str| meter.warn(what));
-    let summary = run_detector(options, output, plan, &detector, batch, (&heard, &warn));
+    let summary = run_detector(options, folder, plan, &detector, batch, (&heard, &warn));
     meter.finish();
     summary
 }
@@ -174,7 +181,7 @@ pub(crate) type Listeners<'a> = (&'a (dyn Fn(Event) + Sync), &'a (dyn Fn(&str) +
 /// Runs a plan with a detector that takes spectra from the cache, if there is one.
 pub(crate) fn run_detector(
     options: &RegionOptions,
-    output: &Path,
+    folder: &CollectionFolder,
     plan: &Plan,
     detector: &Detector,
     batch: &BatchParameters,
@@ -186,7 +193,7 @@ pub(crate) fn run_detector(
     if let Some(spectra) = &spectra {
         detector.spectra = spectra;
     }
-    Ok(run_batch(output, plan, options.domain(), &detector, batch, heard)?)
+    Ok(run_batch_in(folder, plan, options.domain(), &detector, batch, heard)?)
 }
 
 /// Says what became of all shapes.
@@ -197,20 +204,23 @@ pub(crate) fn tell(
     plan: &Plan,
     summary: &BatchSummary,
 ) -> Result<(), CliError> {
-    let BatchSummary { computed, kept, failed, tables } = summary;
+    let BatchSummary { computed, kept, damaged, failed, tables } = summary;
     if !run.quiet {
         for label in &plan.skipped {
             let (path, name) = (&label.path, label.name.as_deref().unwrap_or_default());
-            eprintln!(
-                "mser3d: note: {path}: label {} {name} has only {} voxels and was left out",
+            message::tell(&format!(
+                "note: {path}: label {} {name} has only {} voxels and was left out",
                 label.label, label.voxels
-            );
+            ));
         }
+    }
+    for DamagedShape { name, damage } in damaged {
+        eprintln!("mser3d: warning: {name}: computed again, because its result is damaged: {damage}");
     }
     if json {
         print_json(summary)?;
     } else if !run.quiet {
-        let folder = output.display();
+        let folder = message::name(&output.to_string_lossy());
         let tables = match tables {
             Some(Tables { shapes, regions, failures }) => format!(
                 "{folder} has {regions} regions of {shapes} shapes in regions.parquet and shapes.parquet, \
@@ -232,7 +242,9 @@ pub(crate) fn tell_failures(summary: &BatchSummary) -> Result<(), CliError> {
     if failed.is_empty() {
         return Ok(());
     }
-    let first = failed.iter().take(3).map(|f| format!("\n  {}: {}", f.name, f.error)).collect::<String>();
+    let kept_one = |kept: bool| if kept { " (its earlier result is kept)" } else { "" };
+    let first = failed.iter().take(3);
+    let first = first.map(|f| format!("\n  {}: {}{}", f.name, f.error, kept_one(f.kept))).collect::<String>();
     let more = if failed.len() > 3 { format!("\n  and {} more", failed.len() - 3) } else { String::new() };
     Err(CliError::Incomplete(format!(
         "{} of {} shapes failed; correct them and run again:{first}{more}",

@@ -3,14 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use mser3d::{Detector, Features, FieldSource, Parameters, ProgressFn};
-use mser3d_collection::{BatchParameters, Job, PlanParameters, plan, write_label_map};
+use mser3d_collection::{BatchParameters, CollectionFolder, Job, PlanParameters, plan, write_label_map};
 use mser3d_results::{Extra, FieldFile, Results, ResultsFolder, ShapeFile, ShapeOptions, Up, VolumeFile};
 
 use crate::batch::{self, run_plan};
 use crate::choice::choice;
 use crate::error::{CliError, print};
-use crate::input::{InputArgs, folder_beside};
+use crate::input::{InputArgs, folder_beside, take_input};
 use crate::interrupt;
+use crate::message::tell;
 use crate::options::RegionOptions;
 use crate::output::folder;
 use crate::progress::Meter;
@@ -58,7 +59,8 @@ impl DetectArgs {
     /// # Errors
     /// [`CliError::Usage`] for values out of range, [`CliError::Volume`] for files beside the shape's.
     pub fn shape_options(&self) -> Result<ShapeOptions, CliError> {
-        self.options.shape(&self.volume, self.input.pose())
+        let options = self.options.shape(&self.volume, self.input.pose())?;
+        Ok(ShapeOptions { format: self.input.format.format, ..options })
     }
 
     /// The file of the shape.
@@ -108,7 +110,7 @@ impl DetectArgs {
     /// it, `warn` what is wrong with the cache.
     ///
     /// # Errors
-    /// [`CliError::Shape`], [`CliError::Interrupted`], and those of the cache and the field.
+    /// [`CliError::Shape`], [`CliError::TimeLimit`], [`CliError::Interrupted`], and those of the cache and the field.
     pub fn find(
         &self,
         file: &ShapeFile,
@@ -117,15 +119,23 @@ impl DetectArgs {
         progress: ProgressFn,
         warn: &(dyn Fn(&str) + Sync),
     ) -> Result<(Features, Results), CliError> {
+        let deadline = self.options.limits.deadline();
+        let progress = |told| {
+            deadline.go_on()?;
+            progress(told)
+        };
         let values = field.map(|field| field.on(file)).transpose()?;
         let cache = self.options.cache()?;
         let spectra = cache.as_ref().map(|cache| cache.source(warn));
-        let mut detector = Detector::new(self.parameters()?).with_progress(progress);
+        let mut detector = Detector::new(self.parameters()?).with_progress(&progress);
         if let Some(spectra) = &spectra {
             detector.spectra = spectra;
         }
         detector.field = values.as_ref().map(|values| values as FieldSource);
         let features = detector.detect(file.input(self.options.domain())?);
+        if let Err(mser3d::Error::Cancelled) = features {
+            CliError::in_time(&deadline, &file.path)?;
+        }
         let features = features.map_err(|source| CliError::detection(&file.path, source))?;
         let mut results = Results::of_file(&features, file)?.with_extras(&features, extras);
         results.record.field = field.map(|field| field.record().clone());
@@ -141,6 +151,7 @@ pub(crate) fn run(args: &DetectArgs) -> Result<(), CliError> {
         args.options.refuse_field()?;
         return all_labels(args, parameters, options);
     }
+    let _watch = args.options.limits.watch(&args.input.input);
     let file = args.input.read(&options)?;
     args.check(&file)?;
     let field = args.field()?;
@@ -159,7 +170,7 @@ pub(crate) fn run(args: &DetectArgs) -> Result<(), CliError> {
     folder.write(&results, &args.write)?;
     tracing::info!(folder = %output.display(), "wrote");
     if !args.run.quiet {
-        let warn = |what: &String| eprintln!("mser3d: warning: {}: {what}", file.path.display());
+        let warn = |what: &String| tell(&format!("warning: {}: {what}", file.path.display()));
         results.record.warnings.iter().for_each(warn);
     }
     if args.html {
@@ -186,7 +197,7 @@ fn all_labels(args: &DetectArgs, parameters: Parameters, volumes: ShapeOptions) 
             "--html and --surface are for one shape; view each label's folder with mser3d view".into(),
         ));
     }
-    let file = &args.input.input;
+    let file = &take_input(&args.input.input)?;
     if let Some(option) = args.options.voxels.first_given() {
         return Err(CliError::Usage(format!("{option} needs a mesh; a volume is voxels already")));
     }
@@ -203,19 +214,21 @@ fn all_labels(args: &DetectArgs, parameters: Parameters, volumes: ShapeOptions) 
     let batch = BatchParameters {
         workers: rayon::current_num_threads(),
         memory: parameters.spectrum.memory_limit.unwrap_or(u64::MAX),
+        time_limit: args.options.limits.time(),
         extras: args.write.clone(),
         shard: None,
     };
-    let summary = run_plan(&args.run, &args.options, &output, &plan, parameters, &batch)?;
+    let collection = CollectionFolder::open(&output, None)?;
+    let summary = run_plan(&args.run, &args.options, &collection, &plan, parameters, &batch)?;
     let on_grid = args.write.iter().any(|extra| [Extra::Nifti, Extra::Landmarks].contains(extra));
     if on_grid && summary.computed + summary.kept > 0 {
         let done = |job: &&Job| !summary.failed.iter().any(|f| f.name == job.name);
         let shapes: Vec<String> = plan.jobs.iter().filter(done).map(|job| job.name.clone()).collect();
         let contested = write_label_map(&output, &shapes)?;
         if contested > 0 && !args.run.quiet {
-            eprintln!(
-                "mser3d: warning: {contested} voxels are in regions of several layers; regions.nii.gz has the last"
-            );
+            tell(&format!(
+                "warning: {contested} voxels are in regions of several layers; regions.nii.gz has the last"
+            ));
         }
     }
     batch::tell(&args.run, args.json, &output, &plan, &summary)

@@ -2,10 +2,13 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use mser3d::voxelize::VoxelizeError;
+use mser3d::{Deadline, DeadlinePassed};
 use mser3d_collection::CollectionError;
 use mser3d_results::ResultsError;
 use mser3d_viewer::ViewerError;
 use mser3d_volumeio::BodyError;
+
+use crate::message::shown;
 
 /// Why a command failed. Displayed as one line on stderr.
 #[derive(Debug, thiserror::Error)]
@@ -33,6 +36,29 @@ pub enum CliError {
         path: PathBuf,
         /// Why.
         source: mser3d::Error,
+    },
+    /// The work on a file would take more memory than it is allowed.
+    #[error(
+        "{}: {what} takes about {needed_mb} MB of memory, more than the limit of {limit_mb} MB; if that is meant, raise \
+         --memory-limit", path.display()
+    )]
+    MemoryLimit {
+        /// The file.
+        path: PathBuf,
+        /// The work.
+        what: String,
+        /// What it would take.
+        needed_mb: u64,
+        /// The limit.
+        limit_mb: u64,
+    },
+    /// The work on a file was not done in time.
+    #[error("{}: {source}", path.display())]
+    TimeLimit {
+        /// The file.
+        path: PathBuf,
+        /// The limit, and what to do.
+        source: DeadlinePassed,
     },
     /// The user asked to stop.
     #[error("interrupted; nothing was written")]
@@ -65,6 +91,11 @@ impl CliError {
         }
     }
 
+    /// An error when the deadline of the work on a file has passed.
+    pub(crate) fn in_time(deadline: &Deadline, path: &Path) -> Result<(), Self> {
+        deadline.check().map_err(|source| Self::TimeLimit { path: path.to_owned(), source })
+    }
+
     /// What [`main`](crate::main) returns of it.
     pub fn exit_code(&self) -> u8 {
         let wrong_use = match self {
@@ -95,9 +126,9 @@ impl CliError {
     }
 }
 
-/// Writes to standard output.
+/// Writes to standard output, as it may be shown.
 pub fn print(text: &str) -> Result<(), CliError> {
-    std::io::stdout().lock().write_all(text.as_bytes()).map_err(CliError::Stdout)
+    std::io::stdout().lock().write_all(shown(text).as_bytes()).map_err(CliError::Stdout)
 }
 
 /// Writes a value to standard output as JSON.

@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
-use mser3d_results::Results;
+use mser3d_results::{Checksums, Results};
 
 use crate::error::CliError;
+use crate::message::tell;
 use crate::output::{EXPORT, file};
 
 #[derive(clap::Args)]
@@ -25,7 +26,8 @@ pub fn run(args: &ExportArgs) -> Result<(), CliError> {
     let results = Results::load(&args.folder)?;
     let results = if args.parts { results.with_parts_as_regions()? } else { results };
     for note in results.export(&args.output)? {
-        eprintln!("mser3d: note: {}: {note}", args.output.display());
+        tell(&format!("note: {}: {note}", args.output.display()));
     }
-    Ok(())
+    // It may be a file of a result's folder.
+    Ok(Checksums::renew(&args.output)?)
 }

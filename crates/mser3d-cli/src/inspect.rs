@@ -2,10 +2,12 @@
 
 use mser3d::Parameters;
 use mser3d::voxelize::Pitch;
-use mser3d_results::Inspection;
+use mser3d_meshio::ReadOptions;
+use mser3d_results::{Inspection, ShapeOptions};
 
 use crate::error::{CliError, print, print_json};
-use crate::input::{InputArgs, reading};
+use crate::input::{InputArgs, reading, take_input};
+use crate::limit_options::LimitOptions;
 use crate::numbers::count;
 use crate::volume_options::VolumeOptions;
 
@@ -21,6 +23,8 @@ pub struct InspectArgs {
     /// Eigenpairs that the estimate is for [default: those of a run]
     #[arg(long, value_name = "K", value_parser = count)]
     pub eigenpairs: Option<usize>,
+    #[command(flatten)]
+    pub limits: LimitOptions,
     /// Print as JSON
     #[arg(long)]
     pub json: bool,
@@ -34,7 +38,12 @@ pub fn run(args: &InspectArgs) -> Result<(), CliError> {
     if let Some(eigenpairs) = args.eigenpairs {
         parameters.spectrum.eigenpairs = eigenpairs.into();
     }
-    let options = args.volume.shape(args.input.pose(), None, None)?;
-    let inspection = Inspection::of_file(&args.input.input, &options, &parameters).map_err(reading)?;
+    parameters.voxelize.max_box_voxels = args.limits.max_box_voxels;
+    let _watch = args.limits.watch(&args.input.input);
+    let pose = ReadOptions { limits: args.limits.reading(), ..args.input.pose() };
+    let options = args.volume.shape(pose, None, None)?;
+    let options = ShapeOptions { format: args.input.format.format, ..options };
+    let inspection =
+        Inspection::of_file(&take_input(&args.input.input)?, &options, &parameters).map_err(reading)?;
     if args.json { print_json(&inspection) } else { print(&inspection.describe()) }
 }

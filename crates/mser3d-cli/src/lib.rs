@@ -26,8 +26,10 @@ mod export;
 mod input;
 mod inspect;
 mod interrupt;
+mod limit_options;
 mod log;
 mod matching;
+mod message;
 mod msv;
 mod numbers;
 mod options;
@@ -39,6 +41,7 @@ mod run_options;
 mod shell;
 mod table;
 mod track;
+mod verify;
 mod version;
 mod view;
 mod volume_options;
@@ -57,8 +60,9 @@ pub use render::RenderArgs;
 pub use track::TrackArgs;
 pub use voxelize::VoxelizeArgs;
 
+use std::borrow::Cow;
 use std::ffi::OsString;
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Write};
 
 use clap::{ArgAction, Args, CommandFactory, Parser, Subcommand};
 
@@ -112,6 +116,8 @@ enum Command {
     Track(Box<track::TrackArgs>),
     /// Find the regions of a collection that are most like those of a shape
     Query(query::QueryArgs),
+    /// Check that results and collections are whole and as they were written
+    Verify(verify::VerifyArgs),
     /// Print completions for a shell
     #[command(
         after_help = "bash: mser3d completions bash > ~/.local/share/bash-completion/completions/mser3d"
@@ -149,20 +155,40 @@ pub fn parse<A: Args>(
     })
 }
 
+/// Stack of the thread that does what the command says, in bytes: what systems give the first thread of a program, where
+/// nobody has limited it (`ulimit -s`).
+const STACK: usize = 8 << 20;
+
 /// The command `mser3d`, with its arguments from its own name on: does what they say and returns the exit code, 0 for
-/// success, 1 for failure, 2 for wrong use, 130 for interrupted.
+/// success, 1 for failure, 2 for wrong use, 130 and 143 when it was interrupted by SIGINT and SIGTERM.
 ///
 /// From now on signals to stop end the process.
 pub fn main(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> u8 {
+    interrupt::listen();
+    let arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
+    std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().name("mser3d".into()).stack_size(STACK);
+        match thread.spawn_scoped(scope, || run(&arguments)) {
+            // As a program ends that has panicked, which has said why.
+            Ok(thread) => thread.join().unwrap_or(101),
+            Err(_) => run(&arguments),
+        }
+    })
+}
+
+fn run(arguments: &[OsString]) -> u8 {
     let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
         Err(error) => {
-            // Help and versions are no failures; a closed pipe is none either.
-            let _ = error.print();
+            // Help and versions are no failures; a closed pipe is none either. What a user wrote is in errors.
+            let text = error.to_string();
+            let _ = match message::shown(&text) {
+                Cow::Owned(text) => std::io::stderr().lock().write_all(text.as_bytes()),
+                Cow::Borrowed(_) => error.print(),
+            };
             return u8::try_from(error.exit_code()).unwrap_or(2);
         }
     };
-    interrupt::listen();
     let result = log::start(cli.verbose).and_then(|()| match &cli.command {
         Command::Detect(args) => detect::run(args),
         Command::Inspect(args) => inspect::run(args),
@@ -175,15 +201,20 @@ pub fn main(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) ->
         Command::Batch(args) => batch::run(args),
         Command::Track(args) => track::run(args),
         Command::Query(args) => query::run(args),
+        Command::Verify(args) => verify::run(args),
         Command::Completions(args) => shell::completions(args),
         Command::Man(args) => shell::man(args),
     });
-    match result {
-        Ok(()) => 0,
+    match (result, interrupt::exit_code()) {
+        (Ok(()), _) => 0,
         // Who closed the pipe, as `head` does, has read enough.
-        Err(CliError::Stdout(error)) if error.kind() == ErrorKind::BrokenPipe => 0,
-        Err(error) => {
-            eprintln!("mser3d: {error}");
+        (Err(CliError::Stdout(error)), _) if error.kind() == ErrorKind::BrokenPipe => 0,
+        (Err(_), Some(code)) => {
+            interrupt::say();
+            code
+        }
+        (Err(error), None) => {
+            message::tell(&error.to_string());
             error.exit_code()
         }
     }

@@ -5,6 +5,7 @@ use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::SubscriberExt;
 
 use crate::error::CliError;
+use crate::message::Log;
 
 /// Starts logging, if it is asked for.
 ///
@@ -23,7 +24,7 @@ pub fn start(verbose: u8) -> Result<(), CliError> {
         _ => Targets::new().with_default(LevelFilter::TRACE),
     };
     let lines = tracing_subscriber::fmt::layer()
-        .with_writer(std::io::stderr)
+        .with_writer(Log::new)
         .with_ansi(false)
         .with_timer(tracing_subscriber::fmt::time::uptime());
     let subscriber = tracing_subscriber::registry().with(lines.with_filter(targets));

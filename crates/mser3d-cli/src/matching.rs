@@ -9,11 +9,12 @@ use mser3d_collection::{
     map_vertices, match_results,
 };
 use mser3d_evaluation::{Verdict, read_symmetry};
-use mser3d_fileio::{NpyArray, write_atomically, write_npy, write_text};
+use mser3d_fileio::{NpyArray, Writing, write_atomically, write_npy, write_text};
 use mser3d_results::{RegionPair, RenderOptions, Results, ResultsError, Up};
 
 use crate::choice::choice;
 use crate::error::{CliError, print};
+use crate::message::tell;
 use crate::output::folder;
 
 /// What can be written to the folder of matches besides.
@@ -122,30 +123,30 @@ pub(crate) fn run(args: &MatchArgs) -> Result<(), CliError> {
     let record = MatchRecord::new(&first, &second, &parameters, &matching);
     let json = serde_json::to_string_pretty(&record).map_err(|e| CliError::Stdout(e.into()))? + "\n";
     if let Some(folder) = &args.output {
-        write(folder, &first.results, &second.results, &matching, &json, args)?;
-        if let Some(map) = map {
-            // In numpy -1 is handier for none.
-            let map: Vec<i32> = map.into_iter().map(|v| v.map_or(-1, |v| v as i32)).collect();
-            write_npy(&folder.join("map.npy"), &NpyArray::flat(map))?;
-        }
+        // In numpy -1 is handier for none.
+        let map = map.map(|map| map.into_iter().map(|v| v.map_or(-1, |v| v as i32)).collect());
+        write(folder, &first.results, &second.results, &matching, (&json, map), args)?;
     }
     for warning in &matching.warnings {
-        eprintln!("mser3d: warning: {warning}");
+        tell(&format!("warning: {warning}"));
     }
     print(&if args.json { json } else { table(&matching) })
 }
 
+/// All files of the folder.
+const FILES: [&str; 5] = ["matches.json", "matches.csv", "matches.png", "matches.html", "map.npy"];
+
+/// Writes the folder. The files of older matches go first, `matches.json` before the others; and it appears last: while it is
+/// there, the others belong to it.
 fn write(
     folder: &Path,
     first: &Results,
     second: &Results,
     matching: &Matching,
-    json: &str,
+    (json, map): (&str, Option<Vec<i32>>),
     args: &MatchArgs,
 ) -> Result<(), CliError> {
     let fail = |error| ResultsError::OutputFolder { path: folder.to_path_buf(), error };
-    std::fs::create_dir_all(folder).map_err(fail)?;
-    write_text(&folder.join("matches.csv"), &matching.to_csv())?;
     let pairs = matching.matches.iter();
     let pair = |m: &RegionMatch| {
         let mistake = m.truth.is_some_and(|truth| truth.verdict != Verdict::Right);
@@ -153,13 +154,35 @@ fn write(
     };
     let pairs: Vec<RegionPair> = pairs.map(pair).collect();
     let options = RenderOptions { height: 560, up: args.up, ..RenderOptions::default() };
-    let sheet = first.match_sheet(second, &pairs, &options)?;
-    write_atomically(&folder.join("matches.png"), |out| sheet.write_png(out).map_err(std::io::Error::other))?;
-    if args.html {
-        let parts = first.record.parts.is_some() && second.record.parts.is_some();
-        let what = if parts { "Parts and regions" } else { "Regions" };
-        let title = format!("{what} of {} matched to {}", second.name(), first.name());
-        write_text(&folder.join("matches.html"), &first.match_page(second, &pairs, &title, args.up)?)?;
+    let mut picture = Vec::new();
+    first.match_sheet(second, &pairs, &options)?.write_png(&mut picture).map_err(ResultsError::from)?;
+    let page = match args.html {
+        true => {
+            let parts = first.record.parts.is_some() && second.record.parts.is_some();
+            let what = if parts { "Parts and regions" } else { "Regions" };
+            let title = format!("{what} of {} matched to {}", second.name(), first.name());
+            Some(first.match_page(second, &pairs, &title, args.up)?)
+        }
+        false => None,
+    };
+    // All is there by now, so this is short.
+    let _whole = Writing::begin();
+    std::fs::create_dir_all(folder).map_err(fail)?;
+    for path in FILES.map(|name| folder.join(name)) {
+        match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                return Err(ResultsError::Io { path, error }.into());
+            }
+            _ => {}
+        }
+    }
+    write_text(&folder.join("matches.csv"), &matching.to_csv())?;
+    write_atomically(&folder.join("matches.png"), |out| std::io::Write::write_all(out, &picture))?;
+    if let Some(page) = page {
+        write_text(&folder.join("matches.html"), &page)?;
+    }
+    if let Some(map) = map {
+        write_npy(&folder.join("map.npy"), &NpyArray::flat(map))?;
     }
     Ok(write_text(&folder.join("matches.json"), json)?)
 }

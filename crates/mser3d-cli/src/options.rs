@@ -8,15 +8,14 @@ use mser3d::comptree::{AltitudeScale, Polarity, PoolParameters, StabilityParamet
 use mser3d::descriptors::TimeScale;
 use mser3d::shape::{Domain, InvalidParameter};
 use mser3d::spectral::{EigenpairRange, Eigensolver, SpectrumParameters};
-use mser3d::{
-    Bodies, DescriptorKind, Parameters, PartCount, PartParameters, ReliabilityParameters, available_memory,
-};
+use mser3d::{Bodies, DescriptorKind, Parameters, PartCount, PartParameters, ReliabilityParameters};
 use mser3d_collection::SpectrumCache;
 use mser3d_meshio::ReadOptions;
 use mser3d_results::{FieldFile, ShapeFile, ShapeOptions};
 
 use crate::choice::choice;
 use crate::error::CliError;
+use crate::limit_options::LimitOptions;
 use crate::numbers::{count, fraction, positive, zero_or_more};
 use crate::volume_options::VolumeOptions;
 use crate::voxel_options::VoxelOptions;
@@ -66,6 +65,8 @@ pub struct RegionOptions {
 
     #[command(flatten)]
     pub voxels: VoxelOptions,
+    #[command(flatten)]
+    pub limits: LimitOptions,
 
     /// Smallest eigenpairs of the Laplacian [default: 100, or as many as a small shape has]
     #[arg(long, value_name = "K", value_parser = count, help_heading = "Spectrum")]
@@ -80,10 +81,6 @@ pub struct RegionOptions {
     #[arg(long, value_parser = choice::<Eigensolver>(), default_value_t = Eigensolver::default(),
           help_heading = "Spectrum")]
     pub solver: Eigensolver,
-    /// Refuse to start when the spectrum needs more memory, in MB [default: 80 % of what is free on Linux; no
-    /// limit elsewhere]
-    #[arg(long, value_name = "MB", help_heading = "Spectrum")]
-    pub memory_limit: Option<u64>,
     /// Keep spectra in this folder and take them from there; results are the same with and without
     #[arg(long, value_name = "DIR", help_heading = "Spectrum")]
     pub cache: Option<PathBuf>,
@@ -163,10 +160,9 @@ impl RegionOptions {
     /// The library's parameters; values out of range are wrong use.
     pub fn parameters(&self) -> Result<Parameters, CliError> {
         let defaults = SpectrumParameters::default();
-        let free = || available_memory().map(|m| m / 5 * 4);
         let parameters = Parameters {
             bodies: self.bodies,
-            voxelize: self.voxels.parameters()?,
+            voxelize: self.voxels.parameters(&self.limits)?,
             spectrum: SpectrumParameters {
                 eigenpairs: match (self.eigenpairs, self.lambda_max) {
                     (Some(count), _) => EigenpairRange::Count(count),
@@ -175,7 +171,7 @@ impl RegionOptions {
                 },
                 tolerance: self.tolerance,
                 solver: self.solver,
-                memory_limit: self.memory_limit.map(|mb| mb.saturating_mul(1_000_000)).or_else(free),
+                memory_limit: self.limits.memory(),
                 ..defaults
             },
             weight: self.weight.weight(),
@@ -217,6 +213,7 @@ impl RegionOptions {
 
     /// How a shape is read.
     pub fn shape(&self, volume: &VolumeOptions, pose: ReadOptions) -> Result<ShapeOptions, CliError> {
+        let pose = ReadOptions { limits: self.limits.reading(), ..pose };
         volume.shape(pose, self.voxels.volume_spacing()?, self.voxels.volume_origin()?)
     }
 
@@ -236,7 +233,8 @@ impl RegionOptions {
 
     /// The file of the weight, if it has one.
     pub fn field(&self) -> Result<Option<FieldFile>, CliError> {
-        Ok(self.weight.file().map(FieldFile::read).transpose()?)
+        let limits = self.limits.reading();
+        Ok(self.weight.file().map(|file| FieldFile::read(file, &limits)).transpose()?)
     }
 
     /// Refuses a weight that belongs to one shape.

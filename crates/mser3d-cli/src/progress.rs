@@ -11,6 +11,7 @@ use mser3d_collection::{Event, Outcome};
 
 use crate::interrupt;
 use crate::log;
+use crate::message::{self, tell};
 
 /// Steps of a bar.
 const STEPS: u64 = 1000;
@@ -64,12 +65,12 @@ impl Meter {
         self.bar.set_message(format!("{} {:.0} %", stage.name(), 100.0 * done));
         self.bar.set_position(position(overall));
         self.bar.set_prefix(time_left(progress, began, self.start.elapsed().as_secs_f64()));
-        if interrupt::is_requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        interrupt::go_on()
     }
 
     /// Tells the user something, beside the bar.
     pub fn warn(&self, what: &str) {
-        self.bar.suspend(|| eprintln!("mser3d: warning: {what}"));
+        self.bar.suspend(|| tell(&format!("warning: {what}")));
     }
 
     pub fn finish(&self) {
@@ -118,13 +119,15 @@ impl BatchMeter {
             let what = match outcome {
                 Outcome::Kept => "kept".to_owned(),
                 Outcome::Done => "done".to_owned(),
+                Outcome::Redone(_) => "done again".to_owned(),
                 Outcome::Failed(why) => format!("failed: {why}"),
             };
-            let name = &event.job.name;
+            let name = message::name(&event.job.name);
             if self.lines {
-                eprintln!("{}/{} {name}: {what}{remaining}", event.through, event.total);
+                let line = format!("{}/{} {name}: {what}{remaining}", event.through, event.total);
+                eprintln!("{}", message::shown(&line));
             } else if let Outcome::Failed(_) = outcome {
-                self.bar.println(format!("{name}: {what}"));
+                self.bar.println(message::shown(&format!("{name}: {what}")));
             }
         }
         self.bar.set_message(format!("{}/{} shapes", event.through, event.total));
@@ -134,7 +137,7 @@ impl BatchMeter {
 
     /// Tells the user something, beside the bar.
     pub fn warn(&self, what: &str) {
-        self.bar.suspend(|| eprintln!("mser3d: warning: {what}"));
+        self.bar.suspend(|| tell(&format!("warning: {what}")));
     }
 
     pub fn finish(&self) {

@@ -9,6 +9,7 @@ use mser3d_results::{Up, side_text};
 
 use crate::choice::choice;
 use crate::error::{CliError, print, print_json};
+use crate::message::name;
 use crate::numbers::count;
 use crate::output::{PAGE, file};
 
@@ -113,7 +114,7 @@ fn table(found: &[RegionHits], shape: &DescribedResult, searched: usize) -> Stri
                 100.0 * hit.volume_fraction,
                 hit.region,
                 side(hit.side),
-                hit.shape,
+                name(&hit.shape),
             );
         }
     }

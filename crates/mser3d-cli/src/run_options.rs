@@ -4,17 +4,19 @@ use mser3d_results::Extra;
 
 use crate::choice::choice;
 use crate::error::CliError;
+use crate::message::tell;
 use crate::numbers::count;
 
-/// More threads than any machine that this runs on has cores.
-const MOST_THREADS: usize = 1024;
+/// The most threads, where the machine has no more cores: so many cost little even on one core; a thousand take minutes to get
+/// out of each other's way.
+const MOST_THREADS: usize = 32;
 
 #[derive(clap::Args, Clone, Debug)]
 pub struct RunOptions {
     /// No progress and no warnings on stderr, no table on stdout
     #[arg(short, long)]
     pub quiet: bool,
-    /// Threads to use; the result is the same for any number [default: all cores]
+    /// Threads to use, 32 or the number of cores at most; the result is the same for any number [default: all cores]
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
 }
@@ -40,24 +42,42 @@ impl ManyOptions {
 }
 
 impl RunOptions {
-    /// The number of threads that is asked for.
+    /// The number of threads that is asked for, as far as they are of use.
     pub fn threads(&self) -> Result<Option<usize>, CliError> {
         match self.threads {
-            Some(n) if !(1..=MOST_THREADS).contains(&n) => {
-                Err(CliError::Usage(format!("--threads {n}: must be between 1 and {MOST_THREADS}")))
-            }
-            threads => Ok(threads),
+            Some(0) => Err(CliError::Usage("--threads 0: must be at least 1".into())),
+            threads => Ok(threads.map(|n| n.min(most_threads()))),
         }
     }
 
     /// Sets the number of threads for everything that follows.
     pub fn use_threads(&self) -> Result<(), CliError> {
-        match self.threads()? {
-            None => Ok(()),
-            Some(n) => rayon::ThreadPoolBuilder::new()
-                .num_threads(n)
-                .build_global()
-                .map_err(|e| CliError::Usage(format!("--threads {n}: {e}"))),
+        let asked = match self.threads {
+            Some(n) => Some(("--threads ", n)),
+            None => {
+                let variable = std::env::var("RAYON_NUM_THREADS").ok().and_then(|n| n.parse().ok());
+                variable.map(|n| ("RAYON_NUM_THREADS=", n)).filter(|(_, n)| *n > most_threads())
+            }
+        };
+        let Some((option, n)) = asked else { return Ok(()) };
+        let used = self.threads()?.unwrap_or(most_threads());
+        if used < n && !self.quiet {
+            let cores = cores();
+            tell(&format!(
+                "warning: {option}{n}: {used} threads are used; more only cost time on {cores} cores"
+            ));
         }
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(used)
+            .build_global()
+            .map_err(|e| CliError::Usage(format!("{option}{n}: {e}")))
     }
+}
+
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, Into::into)
+}
+
+fn most_threads() -> usize {
+    cores().max(MOST_THREADS)
 }

@@ -5,11 +5,14 @@ use std::path::Path;
 use mser3d::{Domain, Features, PartCount, Sidedness};
 use mser3d_results::{left_and_right, side_text};
 
+use crate::message::name;
+
 /// The regions, the parts, and where they were written.
 pub fn found(features: &Features, folder: &Path) -> String {
     let (count, size) = (features.regions.len(), features.shape.len());
     let elements = elements(features);
-    let end = format!("{count} regions in {size} {elements}; written to {}\n", folder.display());
+    let end =
+        format!("{count} regions in {size} {elements}; written to {}\n", name(&folder.to_string_lossy()));
     regions(features) + &parts(features) + &left_and_right_of_bodies(features) + &end
 }
 

@@ -1,12 +1,11 @@
 //! `mser3d track`: regions followed through a sequence.
 
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use mser3d::{Detector, Progress, ProgressFn, Stage};
 use mser3d_collection::{
-    BatchParameters, BatchSummary, Event, Sampling, plan_sequence, share_parameters, track_glb, track_page,
-    track_pictures, track_results,
+    BatchParameters, BatchSummary, CollectionFolder, Event, Sampling, plan_sequence, share_parameters,
+    track_glb, track_page, track_pictures, track_results,
 };
 use mser3d_fileio::file_stem;
 use mser3d_meshio::ReadOptions;
@@ -16,6 +15,7 @@ use crate::batch::{run_detector, tell_failures};
 use crate::choice::choice;
 use crate::error::{CliError, print, print_json};
 use crate::interrupt;
+use crate::message::{self, tell};
 use crate::numbers::{count, fraction, positive};
 use crate::options::RegionOptions;
 use crate::output::folder;
@@ -99,6 +99,15 @@ impl TrackArgs {
         heard: &(dyn Fn(Event) + Sync),
         warn: &(dyn Fn(&str) + Sync),
     ) -> Result<(TracksRecord, BatchSummary), CliError> {
+        let deadline = self.options.limits.deadline();
+        let progress = &|told| {
+            deadline.go_on()?;
+            progress(told)
+        };
+        let in_time = || match self.inputs.first() {
+            Some(first) => CliError::in_time(&deadline, first),
+            None => Ok(()),
+        };
         self.options.refuse_field()?;
         if self.volume.all_labels() {
             return Err(CliError::Usage("--label all: a frame is one shape; choose a label".into()));
@@ -129,15 +138,27 @@ impl TrackArgs {
         let batch = BatchParameters {
             workers: self.many.workers(),
             memory: parameters.spectrum.memory_limit.unwrap_or(u64::MAX),
+            // The limit is that of the whole run.
+            time_limit: None,
             extras: self.many.write.clone(),
             shard: None,
         };
         let detector = Detector::new(parameters).with_progress(progress);
-        let summary = run_detector(&self.options, &self.output, &plan, &detector, &batch, (heard, warn))?;
+        // To the end: what follows reads and writes the frames.
+        let collection = CollectionFolder::open(&self.output, None)?;
+        let summary = run_detector(&self.options, &collection, &plan, &detector, &batch, (heard, warn));
+        if summary.is_err() {
+            in_time()?;
+        }
+        let summary = summary?;
         // All frames have been searched by now.
         let told = Progress { stage: Stage::Parts, done: 1.0, overall: 1.0 };
         let goes_on = |_| progress(told).is_continue();
-        let tracks = track_results(&self.output, &plan, &tracking, &goes_on)?;
+        let tracks = track_results(&self.output, &plan, &tracking, &goes_on);
+        if tracks.is_err() {
+            in_time()?;
+        }
+        let tracks = tracks?;
         if self.html {
             let html = track_page(&self.output, &title(&self.inputs), self.up)?;
             mser3d_fileio::write_text(&self.output.join("tracks.html"), &html)?;
@@ -154,13 +175,16 @@ impl TrackArgs {
 
 pub(crate) fn run(args: &TrackArgs) -> Result<(), CliError> {
     args.many.run.use_threads()?;
+    let first = args.inputs.first().map_or(Path::new(""), PathBuf::as_path);
+    let _watch = args.options.limits.watch_time(first);
     let meter = BatchMeter::new(args.many.run.quiet);
-    let stop = |_| if interrupt::is_requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    interrupt::keeps_what_is_done();
+    let stop = |_| interrupt::go_on();
     let found = args.find(&stop, &|event| meter.report(&event), &|what| meter.warn(what));
     meter.finish();
     let (tracks, summary) = found?;
     if !args.many.run.quiet {
-        let warn = |what: &String| eprintln!("mser3d: warning: {}: {what}", args.output.display());
+        let warn = |what: &String| tell(&format!("warning: {}: {what}", args.output.display()));
         tracks.warnings.iter().for_each(warn);
     }
     if args.json {
@@ -198,7 +222,7 @@ fn table(tracks: &TracksRecord, folder: &Path, summary: &BatchSummary) -> String
         ));
     }
     let BatchSummary { computed, kept, failed, .. } = summary;
-    let (frames, folder) = (tracks.frames.len(), folder.display());
+    let (frames, folder) = (tracks.frames.len(), message::name(&folder.to_string_lossy()));
     text.push_str(&format!(
         "{} tracks through {frames} frames ({computed} computed, {kept} kept, {} failed) in {folder}: tracks.json, \
          tracks.csv, tracks.parquet\n",

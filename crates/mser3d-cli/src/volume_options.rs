@@ -44,18 +44,17 @@ impl VolumeOptions {
     ) -> Result<ShapeOptions, CliError> {
         let label = self.label.as_deref().filter(|_| !self.all_labels());
         let label = label.map(|label| label.parse::<Label>().unwrap_or_else(|never| match never {}));
+        let affine = self.affine.as_deref().map(|path| read_affine(path, &pose.limits)).transpose()?;
+        let label_names = match &self.labels {
+            Some(path) => read_label_names(path, &pose.limits)?,
+            None => Vec::new(),
+        };
         let options = ShapeOptions {
+            format: None,
             pose,
             body: BodyParameters { volume: self.volume, label, threshold: self.threshold },
-            placement: PlacementParameters {
-                spacing,
-                origin,
-                affine: self.affine.as_deref().map(read_affine).transpose()?,
-            },
-            label_names: match &self.labels {
-                Some(path) => read_label_names(path)?,
-                None => Vec::new(),
-            },
+            placement: PlacementParameters { spacing, origin, affine },
+            label_names,
         };
         options.placement.validate().map_err(|e| CliError::Usage(format!("wrong parameter: {e}")))?;
         Ok(options)

@@ -5,6 +5,7 @@ use mser3d::voxelize::{InsideTest, Morphology, Overlap, Pitch, VoxelizeParameter
 
 use crate::choice::choice;
 use crate::error::CliError;
+use crate::limit_options::LimitOptions;
 use crate::numbers::{count, positive};
 
 /// How a mesh becomes voxels.
@@ -42,9 +43,6 @@ pub struct VoxelOptions {
     /// Change the solid by a voxel, against artefacts of the mesh [default: none]
     #[arg(long, value_parser = choice::<Morphology>())]
     morphology: Option<Morphology>,
-    /// Refuse boxes of more voxels than this; a grid takes half a byte for each
-    #[arg(long, value_name = "N", default_value_t = VoxelizeParameters::default().max_box_voxels)]
-    max_box_voxels: u64,
 }
 
 impl VoxelOptions {
@@ -77,7 +75,7 @@ impl VoxelOptions {
     }
 
     /// The library's parameters.
-    pub fn parameters(&self) -> Result<VoxelizeParameters, CliError> {
+    pub fn parameters(&self, limits: &LimitOptions) -> Result<VoxelizeParameters, CliError> {
         let defaults = VoxelizeParameters::default();
         let spacing = triple("--spacing", &self.spacing)?;
         let parameters = VoxelizeParameters {
@@ -94,7 +92,7 @@ impl VoxelOptions {
             overlap: self.overlap,
             cut_links: !self.no_cut_links,
             morphology: self.morphology,
-            max_box_voxels: self.max_box_voxels,
+            max_box_voxels: limits.max_box_voxels,
             ..defaults
         };
         parameters.validate().map_err(|e| CliError::Usage(format!("wrong parameter: {e}")))?;

@@ -144,7 +144,8 @@ fn place(args: &BatchArgs, job: &Job) -> Place {
 fn job(args: &BatchArgs, place: Place) -> Result<Job, CliError> {
     let (name, path, label, frame) = place;
     let is_volume = VolumeFormat::of(&path).is_some();
-    let mut options = if is_volume { args.volumes()? } else { ShapeOptions::default() };
+    let volumes = args.volumes()?;
+    let mut options = if is_volume { volumes } else { volumes.limits_alone() };
     if let Some((volume, label)) = label {
         options.body = BodyParameters { volume: Some(volume), ..BodyParameters::of_label(label) };
     }
@@ -185,7 +186,7 @@ type Said = (&'static str, Option<String>);
 fn said(outcome: Outcome) -> Said {
     match outcome {
         Outcome::Kept => ("kept", None),
-        Outcome::Done => ("done", None),
+        Outcome::Done | Outcome::Redone(_) => ("done", None),
         Outcome::Failed(why) => ("failed", Some(why)),
     }
 }
@@ -209,7 +210,10 @@ pub fn compute_shape(
     shape: Place,
     memory_limit: Option<u64>,
 ) -> PyResult<(Said, Vec<String>)> {
-    let (outcome, warnings) = on_shape(py, settings, shape, memory_limit, |shape| shape.run())?;
+    let (outcome, mut warnings) = on_shape(py, settings, shape, memory_limit, |shape| shape.run())?;
+    if let Outcome::Redone(what) = &outcome {
+        warnings.push(format!("computed again, because the result is damaged: {what}"));
+    }
     Ok((said(outcome), warnings))
 }
 

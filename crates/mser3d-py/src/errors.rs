@@ -6,18 +6,23 @@ use std::io::ErrorKind;
 use mser3d::spectral::SpectralError;
 use mser3d::voxelize::VoxelizeError;
 use mser3d_cli::CliError;
+use mser3d_fileio::OverLimit;
 use pyo3::PyErr;
 use pyo3::exceptions::{
-    PyFileNotFoundError, PyKeyboardInterrupt, PyMemoryError, PyOSError, PyPermissionError, PyValueError,
+    PyFileNotFoundError, PyKeyboardInterrupt, PyMemoryError, PyOSError, PyPermissionError, PyTimeoutError,
+    PyValueError,
 };
 
 /// The exception of an error: `OSError` where the operating system refused, `MemoryError` for work that would not fit,
-/// `KeyboardInterrupt` where it was cancelled, else `ValueError`.
+/// `TimeoutError` for work that was not done in time, `KeyboardInterrupt` where it was cancelled, else `ValueError`.
 pub fn exception(error: CliError) -> PyErr {
     let text = error.to_string();
     if let CliError::Interrupted | CliError::Collection(mser3d_collection::CollectionError::Cancelled) = error
     {
         return PyKeyboardInterrupt::new_err(());
+    }
+    if let CliError::TimeLimit { .. } = error {
+        return PyTimeoutError::new_err(text);
     }
     let mut cause: Option<&(dyn Error + 'static)> = Some(&error);
     while let Some(error) = cause {
@@ -45,10 +50,17 @@ pub fn exception(error: CliError) -> PyErr {
 fn is_of_memory(error: &(dyn Error + 'static)) -> bool {
     let spectral = |e: &SpectralError| matches!(e, SpectralError::TooMuchMemory { .. });
     let voxelize = |e: &VoxelizeError| matches!(e, VoxelizeError::TooLarge { .. });
+    if let Some(CliError::MemoryLimit { .. }) = error.downcast_ref() {
+        return true;
+    }
+    if error.downcast_ref::<OverLimit>().is_some() {
+        return true;
+    }
     if let Some(CliError::Shape { source, .. }) = error.downcast_ref::<CliError>() {
         return is_of_memory(source);
     }
     match error.downcast_ref::<mser3d::Error>() {
+        Some(mser3d::Error::TooMuchMemory { .. }) => true,
         Some(mser3d::Error::Spectral(e)) => spectral(e),
         Some(mser3d::Error::Voxelize(e)) => voxelize(e),
         _ => error.downcast_ref().is_some_and(spectral) || error.downcast_ref().is_some_and(voxelize),

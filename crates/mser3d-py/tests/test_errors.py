@@ -76,6 +76,7 @@ def test_wrong_volumes_are_named(volume, words):
         (lambda: mser3d.detect(VERTICES, FACES, voxels=9, pitch=1.0), ValueError, ["--pitch", "--voxels"]),
         (lambda: mser3d.detect(VERTICES, FACES, max_box_voxels=10), MemoryError, ["max_box_voxels"]),
         (lambda: mser3d.detect(VERTICES, FACES, memory_limit=0), MemoryError, ["memory"]),
+        (lambda: mser3d.detect(VERTICES, FACES, time_limit=1e-6), TimeoutError, ["time limit", "--time-limit"]),
         (lambda: mser3d.detect(VERTICES, FACES, label=3), ValueError, ["--label", "volume"]),
         (lambda: mser3d.detect(VERTICES, FACES, animation="run"), ValueError, ["animation"]),
         (lambda: mser3d.detect(VERTICES, FACES, progress="bar"), ValueError, ["progress", "tqdm"]),

@@ -93,7 +93,8 @@ impl<'a> Detector<'a> {
     /// Finds and describes the stable regions of a shape.
     ///
     /// # Errors
-    /// [`Error`]: that of the stage that failed, or [`Error::Cancelled`].
+    /// [`Error`]: that of the stage that failed, or [`Error::Cancelled`]. [`Error::TooMuchMemory`] where the
+    /// [estimate](Parameters::estimate) of the run is above the spectrum's `memory_limit`: before any work.
     pub fn detect(&self, input: Input) -> Result<Features, Error> {
         let Self { parameters, progress, spectra, field } = self;
         parameters.validate()?;
@@ -101,7 +102,24 @@ impl<'a> Detector<'a> {
             return Err(Error::NoField);
         }
         let mut clock = Clock::start();
-        let course = Course::new(*progress, parameters.estimate(&input).stages);
+        let estimate = parameters.estimate(&input);
+        // More eigenpairs than there can be are refused as such, and so are grids of too many voxels.
+        let possible = estimate.elements as u64 <= parameters.voxelize.max_box_voxels
+            && match parameters.spectrum.eigenpairs {
+                EigenpairRange::Count(count) => count <= estimate.elements,
+                _ => true,
+            };
+        let limit =
+            parameters.spectrum.memory_limit.filter(|&limit| possible && estimate.memory_bytes > limit);
+        if let Some(limit) = limit {
+            return Err(Error::TooMuchMemory {
+                elements: estimate.elements,
+                eigenpairs: estimate.eigenpairs,
+                needed_mb: estimate.memory_bytes.div_ceil(1_000_000),
+                limit_mb: limit / 1_000_000,
+            });
+        }
+        let course = Course::new(*progress, estimate.stages);
         let progress = |told: Progress| course.hear(told);
         if let Input::Volume(_) = input {
             report(&progress, Stage::Voxelize, 0.0)?;

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use mser3d_laplace::{Operator, cotangent_laplacian, grid_laplacian, mean_curvature};
-use mser3d_shape::{Connectivity, Domain, Graph, TriangleMesh, VoxelGrid};
+use mser3d_shape::{Connectivity, Domain, Eigenbasis, Graph, SplitMix64, TriangleMesh, VoxelGrid};
 use mser3d_spectral::{
     SpectralError, Spectrum, SpectrumParameters, smallest_eigenpairs, smallest_eigenpairs_of_grid,
 };
@@ -217,6 +217,44 @@ impl DiscreteShape {
     /// belongs to a body that is not part of this shape.
     pub fn element_of_vertex(&self) -> &[Option<u32>] {
         &self.element_of_vertex
+    }
+
+    /// How far a basis is from eigenpairs of this shape's Laplacian `W phi = lambda M phi`; infinite where it has other masses, or
+    /// numbers that are not finite. For a spectrum that comes from elsewhere, such as a file.
+    ///
+    /// It is measured on a random combination f of the eigenfunctions, with unit coefficients c: the larger of
+    /// `|W f - M Phi Lambda c|` (in the norm of M^-1, over the largest eigenvalue and 1e-9 of the bound of the spectrum) and
+    /// `|Phi^T M f - c|`. A solver's result has about its tolerance; one wrong value of 45,000 x 100 is seen. Time: O(n k), a hundredth of
+    /// solving.
+    ///
+    /// # Errors
+    /// [`Error::Laplace`].
+    pub fn eigenpair_error(&self, basis: &Eigenbasis) -> Result<f64, Error> {
+        let operator = self.operator()?;
+        let (mass, values, k) = (operator.mass(), basis.eigenvalues(), basis.eigenvalues().len());
+        if basis.domain() != self.domain() || basis.mass() != mass || k == 0 {
+            return Ok(f64::INFINITY);
+        }
+        let mut random = SplitMix64::new(k as u64);
+        let c: Vec<f64> = (0..k).map(|_| if random.next_u64() & 1 == 0 { -1.0 } else { 1.0 }).collect();
+        let size = (k as f64).sqrt();
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+        let scaled: Vec<f64> = values.iter().zip(&c).map(|(value, c)| value * c).collect();
+        let f: Vec<f64> = (0..basis.len()).map(|v| dot(basis.at(v), &c)).collect();
+        let mut back = vec![0.0; k];
+        let (mut square, mut bound) = (0.0, 0.0f64);
+        for (v, row) in operator.stiffness().outer_iterator().enumerate().filter(|(v, _)| mass[*v] > 0.0) {
+            basis.at(v).iter().zip(&mut back).for_each(|(phi, sum)| *sum += phi * mass[v] * f[v]);
+            let applied: f64 = row.iter().map(|(u, w)| w * f[u]).sum();
+            square += (applied - mass[v] * dot(basis.at(v), &scaled)).powi(2) / mass[v];
+            let weights: f64 = row.iter().map(|(_, w)| w.abs()).sum();
+            bound = bound.max(weights / mass[v]);
+        }
+        let residual = square.sqrt() / size / (values[k - 1] + 1e-9 * bound);
+        let lost = back.iter().zip(&c).map(|(b, c)| (b - c).powi(2)).sum::<f64>().sqrt() / size;
+        // The larger of them would hide a NaN.
+        let error = residual + lost;
+        Ok(if error.is_finite() { residual.max(lost) } else { f64::INFINITY })
     }
 
     /// The smallest eigenpairs of the Laplacian. They serve any number of weights.

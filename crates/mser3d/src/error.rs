@@ -77,6 +77,21 @@ pub enum Error {
         /// The lowest weight.
         value: f64,
     },
+    /// A run that would take more memory than it is allowed.
+    #[error(
+        "a run takes about {needed_mb} MB of memory ({elements} elements, {eigenpairs} eigenpairs), more than the limit of \
+         {limit_mb} MB; use fewer voxels (--voxels) or eigenpairs (--eigenpairs), or raise --memory-limit"
+    )]
+    TooMuchMemory {
+        /// Voxels or vertices, about.
+        elements: usize,
+        /// Eigenpairs, about.
+        eigenpairs: usize,
+        /// What it would take, by [`Parameters::estimate`](crate::Parameters::estimate).
+        needed_mb: u64,
+        /// The limit: `memory_limit` of the spectrum's parameters.
+        limit_mb: u64,
+    },
     /// A parameter of the pipeline itself is out of range.
     #[error(transparent)]
     InvalidParameter(#[from] InvalidParameter),

@@ -53,7 +53,7 @@ impl StageSeconds {
 const BEGIN: f64 = 0.01;
 
 /// Bytes that any run takes.
-const MEMORY: f64 = 1e7;
+const MEMORY: f64 = 1.6e7;
 
 /// Bytes that a triangle takes while it is voxelized and its vertices look for their voxels, the mesh and its file included.
 const TRIANGLE: f64 = 360.0;
@@ -191,7 +191,7 @@ fn volume_spectrum(n: f64, k: f64, solver: Eigensolver) -> Work {
     }
     let block = k + 30.0;
     let updates = 9.5 * n.powf(4.0 / 3.0) * block.powf(2.0 / 3.0);
-    Work { seconds: 0.5e-9 * updates + orthogonalization(n, block), numbers: n * (2.6 * k + 60.0) }
+    Work { seconds: 0.5e-9 * updates + orthogonalization(n, block), numbers: n * (1.7 * k + 90.0) }
 }
 
 /// Shift-invert with the sparser factors of surfaces.

@@ -42,6 +42,7 @@
 mod bodies;
 mod carry;
 mod course;
+mod deadline;
 mod describe;
 mod detector;
 mod discrete_shape;
@@ -68,6 +69,7 @@ mod weight;
 mod weld;
 
 pub use bodies::{Bodies, MIN_BODY_ELEMENTS, MIN_BODY_FRACTIONS};
+pub use deadline::{Deadline, DeadlinePassed};
 pub use describe::{Described, describe, signatures};
 pub use detector::{Detector, FieldSource, SpectrumSource};
 pub use discrete_shape::{DiscreteShape, Elements};
@@ -76,7 +78,7 @@ pub use estimate::{Estimate, StageSeconds};
 pub use features::{Body, Features};
 pub use field::{Field, LARGEST_WEIGHT};
 pub use input::Input;
-pub use memory::{available_memory, peak_memory};
+pub use memory::{available_memory, peak_memory, used_memory};
 pub use mser3d_shape::Domain;
 pub use parameters::{Descriptor, DescriptorKind, Parameters};
 pub use parts::{Part, PartCount, PartParameters, Partition, partition};

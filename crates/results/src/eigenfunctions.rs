@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use mser3d::Features;
-use mser3d_fileio::{NpyArray, read_npz, write_npz};
+use mser3d_fileio::{NpyArray, write_npz};
 use mser3d_shape::{Domain, Eigenbasis};
 
 use crate::load::{Arrays, integers, numbers};
 use crate::write::of_body;
-use crate::{Extra, Results, ResultsError};
+use crate::{Checksums, Extra, Results, ResultsError};
 
 /// The eigenpairs of one body, and where their values belong.
 ///
@@ -43,13 +43,15 @@ impl Eigenfunctions {
     /// Reads those of a result from its folder, and checks that they belong to it.
     ///
     /// # Errors
-    /// [`ResultsError::NoEigenfunctions`] where there is no such file, [`ResultsError::Broken`], [`ResultsError::File`].
+    /// [`ResultsError::NoEigenfunctions`] where there is no such file, [`ResultsError::Damaged`], [`ResultsError::Broken`],
+    /// [`ResultsError::File`].
     pub fn load(folder: &Path, results: &Results) -> Result<Vec<Self>, ResultsError> {
-        let path = folder.join(Extra::Eigenfunctions.file_name());
-        if !path.is_file() {
+        let name = Extra::Eigenfunctions.file_name();
+        if !folder.join(name).is_file() {
             return Err(ResultsError::NoEigenfunctions { folder: folder.to_owned() });
         }
-        let mut arrays = Arrays { arrays: read_npz(&path)?, path };
+        Checksums::load(folder)?.check(folder, name)?;
+        let mut arrays = Arrays::load(folder, name)?;
         (0..results.record.bodies.len()).map(|body| Self::read(&mut arrays, body, results)).collect()
     }
 
@@ -85,7 +87,8 @@ impl Eigenfunctions {
             }
             row_of_vertex = found.into_iter().map(|row| u32::try_from(row).ok()).collect();
         }
-        let basis = Eigenbasis::new(results.domain(), mass, eigenvalues, functions)?;
+        let basis = Eigenbasis::new(results.domain(), mass, eigenvalues, functions);
+        let basis = basis.map_err(|error| arrays.broken(format!("body {body}: {error}")))?;
         Ok(Self { basis, voxels, row_of_vertex })
     }
 

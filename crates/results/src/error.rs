@@ -58,11 +58,65 @@ pub enum ResultsError {
         /// What is wrong.
         reason: String,
     },
+    /// A file is not what was written.
+    #[error(
+        "{}: damaged: {what}; run again what wrote it (`mser3d detect`, `msv`, `batch` or `track`), or, if it was changed on \
+         purpose, remove checksums.json beside it",
+        path.display()
+    )]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// How that is known.
+        what: String,
+    },
+    /// A folder that another process writes to.
+    #[error(
+        "{}: another run is writing to this folder; wait until it is done, or choose another with -o",
+        folder.display()
+    )]
+    Busy {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// More memory than there is.
+    #[error(
+        "{}: {what} needs {bytes} bytes of memory, and {available} are available; use a machine with more",
+        path.display()
+    )]
+    TooLarge {
+        /// The file or folder.
+        path: PathBuf,
+        /// What needs it.
+        what: String,
+        /// How much.
+        bytes: u64,
+        /// How much there is.
+        available: u64,
+    },
     /// The ending belongs to no known format.
     #[error("{source}; of volumes {}", mser3d_volumeio::VolumeFormat::LIST)]
     UnknownFormat {
         /// What the reader of meshes says.
         source: mser3d_meshio::MeshIoError,
+    },
+    /// The contents are of another format than the chosen one.
+    #[error("{}: to be read as {given}, but its contents are {contents}; choose --format {contents}", path.display())]
+    OtherContents {
+        /// The file.
+        path: PathBuf,
+        /// The format that was chosen.
+        given: crate::ShapeFormat,
+        /// The format of the contents.
+        contents: crate::ShapeFormat,
+    },
+    /// Standard input does not show what it is.
+    #[error("{}: its first bytes do not tell its format; say it with --format: {choices}", path.display())]
+    NoFormat {
+        /// What stands for standard input.
+        path: PathBuf,
+        /// The names of all formats.
+        choices: String,
     },
     /// A volume does not say what its body is.
     #[error("{}: {error}", path.display())]

@@ -1,7 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use mser3d::{DiscreteShape, Error, Field, LARGEST_WEIGHT};
-use mser3d_fileio::{NpyArray, NpyValues, read_npy};
+use mser3d_fileio::{FileError, NpyArray, NpyValues, ReadLimits, read_npy};
 use mser3d_shape::VoxelGrid;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -16,7 +16,7 @@ use crate::{ResultsError, ShapeFile};
 /// use mser3d_results::{FieldFile, Results, ShapeFile};
 ///
 /// let file = ShapeFile::read("hand.off".as_ref(), &Default::default())?;
-/// let field = FieldFile::read("thickness.npy".as_ref())?;
+/// let field = FieldFile::read("thickness.npy".as_ref(), &Default::default())?;
 /// let values = field.on(&file)?;
 /// let detector = Detector::new(Parameters::default()).with_weight(&values);
 /// let mut results = Results::of_file(&detector.detect(file.input(Domain::Volume)?)?, &file)?;
@@ -48,9 +48,14 @@ impl FieldFile {
     /// Reads an array of numbers, as `numpy.save` writes them.
     ///
     /// # Errors
-    /// [`ResultsError::File`] for files that are none, are damaged or hold no real numbers.
-    pub fn read(path: &Path) -> Result<Self, ResultsError> {
-        let (array, first_axis_fastest) = read_npy(path)?;
+    /// [`ResultsError::File`] for files that are none, are damaged, hold no real numbers, or are over the limits.
+    pub fn read(path: &Path, limits: &ReadLimits) -> Result<Self, ResultsError> {
+        let (array, first_axis_fastest) = read_npy(path, limits)?;
+        // As they are, as numbers of 64 bits, and in the other order.
+        let needed = 24 * array.values().len() as u64;
+        let what = || format!("it holds {} numbers", array.values().len());
+        let over = |source| FileError::OverLimit { path: path.to_owned(), source };
+        limits.check_memory(needed, what).map_err(over)?;
         Ok(Self::of_values(array.shape(), in_c_order(&array, first_axis_fastest), path))
     }
 

@@ -2,8 +2,8 @@ use std::path::Path;
 
 use mser3d::{Estimate, Parameters};
 use mser3d_meshio::{AnimationInfo, list_animations};
-use mser3d_shape::Choice;
-use mser3d_volumeio::{ValueCounts, VolumeFormat};
+use mser3d_shape::{Bytes, Choice};
+use mser3d_volumeio::ValueCounts;
 use serde::Serialize;
 
 use crate::{InputRecord, ResultsError, ShapeFile, ShapeOptions, VolumeFile};
@@ -58,7 +58,7 @@ impl Inspection {
         options: &ShapeOptions,
         parameters: &Parameters,
     ) -> Result<Self, ResultsError> {
-        if VolumeFormat::of(path).is_some() && options.pose.animation.is_none() {
+        if options.volume_format(path).is_some() && options.pose.animation.is_none() {
             return Self::of_volume(&VolumeFile::read(path, options)?, options, parameters);
         }
         Ok(Self::of_shape(&ShapeFile::read(path, options)?, parameters))
@@ -76,7 +76,7 @@ impl Inspection {
             choose: None,
             pitch: volume.zip(estimate.as_ref()).map(|(volume, e)| (volume / e.elements as f64).cbrt()),
             estimate,
-            animations: list_animations(&file.path).unwrap_or_default(),
+            animations: list_animations(&file.path, &file.pose.limits).unwrap_or_default(),
             notes: file.notes().to_vec(),
             input,
         }
@@ -129,7 +129,8 @@ impl Inspection {
         let input = &self.input;
         let mut lines = Lines(format!(
             "{} ({}, {} bytes)\n",
-            input.path,
+            // In one line, whatever the name holds.
+            input.path.replace('\n', "\\u000a"),
             input.format.as_deref().unwrap_or("unknown format"),
             input.bytes.unwrap_or_default()
         ));
@@ -139,12 +140,10 @@ impl Inspection {
             if let Some(pitch) = self.pitch {
                 lines.add("pitch", format!("{pitch:.6e} for {elements} voxels"));
             }
-            let memory = memory_bytes / 1_000_000;
+            let memory = Bytes(memory_bytes);
             lines.add(
                 "a run takes about",
-                format!(
-                    "{seconds:.1} s of one core, {memory} MB ({elements} voxels, {eigenpairs} eigenpairs)"
-                ),
+                format!("{seconds:.1} s of one core, {memory} ({elements} voxels, {eigenpairs} eigenpairs)"),
             );
         }
         self.animations.iter().for_each(|a| lines.add("animation", a.to_string()));

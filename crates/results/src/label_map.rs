@@ -2,6 +2,7 @@ use std::path::Path;
 
 use mser3d_volumeio::{Volume, write_nifti};
 
+use crate::check::afford;
 use crate::{Results, ResultsError};
 
 /// The regions of one or more results on the grid that they share, as a label map in NIfTI.
@@ -17,11 +18,15 @@ impl LabelMap {
     /// Puts results with the numbers of their first regions on one grid. Where bodies overlap, the later one stays.
     ///
     /// # Errors
-    /// [`ResultsError::OtherGrid`] when they are not on one grid, or are on none.
+    /// [`ResultsError::OtherGrid`] when they are not on one grid, or are on none; [`ResultsError::TooLarge`].
     pub fn new(results: &[(&Results, u32)]) -> Result<Self, ResultsError> {
         let none = || ResultsError::OtherGrid;
         let grid = results.first().and_then(|r| r.0.record.grid).ok_or_else(none)?;
         let [nx, ny, nz] = grid.dims;
+        let voxels = grid.dims.iter().fold(1u128, |all, &n| all.saturating_mul(n as u128));
+        // As 32 bits each, and again as the type of the file.
+        let path = Path::new(&results[0].0.record.input.path);
+        afford(path, format!("a label map of {nx} x {ny} x {nz} voxels"), 8 * voxels)?;
         let mut labels = vec![0i32; nx * ny * nz];
         let mut contested = 0;
         for (results, first) in results {

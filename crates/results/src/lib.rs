@@ -19,6 +19,7 @@
 //! | `fields.vti` | if asked for: the first eigenfunctions and the signature of each voxel |
 //! | `surface.ply` | the mesh; colour and innermost region per vertex (none for a solid given as voxels) |
 //! | `volume.vti` | innermost region per voxel, and its part (volumes only) |
+//! | `checksums.json` | [`Checksums`]: size and SHA-256 of all of these |
 //!
 //! | array in `features.npz` | type and shape | meaning |
 //! |---|---|---|
@@ -62,6 +63,8 @@
 //! ```
 #![warn(missing_docs)]
 
+mod check;
+mod checksums;
 mod draw;
 mod drawing;
 mod eigenfunctions;
@@ -82,12 +85,15 @@ mod parts;
 mod record;
 mod results;
 mod shape_file;
+mod shape_format;
 mod sides;
 mod signatures;
 mod tracks;
+mod verify;
 mod volume_file;
 mod write;
 
+pub use checksums::{Checksums, FileChecksum};
 pub use draw::matched_colours;
 pub use drawing::Drawing;
 pub use eigenfunctions::Eigenfunctions;
@@ -107,8 +113,10 @@ pub use record::{
 };
 pub use results::{Results, TreeArrays};
 pub use shape_file::{Contents, ShapeFile, ShapeOptions};
+pub use shape_format::ShapeFormat;
 pub use sides::{left_and_right, side_text, sidedness_certainty, sidedness_kind};
 pub use tracks::{Identity, Sighting, Track, TrackParameters, TrackedFrame, TracksRecord};
+pub use verify::{Finding, first_damage, verify};
 pub use volume_file::{BodyRecord, SolidVolume, VolumeFile, VolumeRecord};
 pub use write::Extra;
 

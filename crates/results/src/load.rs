@@ -2,35 +2,47 @@ use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use mser3d_fileio::{NpyArray, NpyValues, read_npz};
+use mser3d_fileio::{InputFile, NpyArray, NpyValues, read_npz};
 use mser3d_meshio::{ReadOptions, read_mesh};
-use mser3d_shape::{BitGrid, Domain, Frame, TriangleMesh, VoxelGrid};
+use mser3d_shape::{BitGrid, Domain, Frame, ShapeError, TriangleMesh, VoxelGrid};
 use serde::Deserialize;
 
+use crate::check::afford;
+use crate::folder::recover;
 use crate::msv::MSV_RECORD;
+use crate::results::labels as labels_of;
 use crate::write::of_body;
-use crate::{FORMAT, GridRecord, Record, Results, ResultsError, TreeArrays};
+use crate::{Checksums, FORMAT, GridRecord, Record, Results, ResultsError, TreeArrays};
 
 impl Results {
     /// Reads a folder that [`Results::write`] wrote, and checks that its files belong together.
     ///
-    /// The grid comes back without the links that the voxelizer cut; trees are read if they are there.
+    /// The grid comes back without the links that the voxelizer cut; trees are read if they are there. Each file is
+    /// checked against `checksums.json`, if it is listed there, and all that it says is checked in any case.
     ///
     /// # Errors
-    /// [`ResultsError::NotAResult`], [`ResultsError::OtherFormat`], [`ResultsError::Broken`],
-    /// [`ResultsError::Io`] or [`ResultsError::File`], naming the file.
+    /// [`ResultsError::NotAResult`], [`ResultsError::OtherFormat`], [`ResultsError::Damaged`], [`ResultsError::Broken`],
+    /// [`ResultsError::TooLarge`], [`ResultsError::Io`] or [`ResultsError::File`], naming the file.
     pub fn load(folder: &Path) -> Result<Self, ResultsError> {
-        let record = Record::load(folder)?;
-        let path = folder.join("features.npz");
-        let mut arrays = Arrays { arrays: read_npz(&path)?, path };
+        let (record, sums) = Record::load_checked(folder)?;
+        sums.check_beside(folder, "features.npz", Results::FILES.record)?;
+        let mut arrays = Arrays::load(folder, "features.npz")?;
         let regions = record.regions.len();
-        let eigenvalues =
-            (0..record.bodies.len()).map(|body| arrays.take(&of_body("eigenvalues", body), numbers));
+        let eigenvalues = record.bodies.iter().enumerate();
+        let eigenvalues = eigenvalues.map(|(body, known)| {
+            let name = of_body("eigenvalues", body);
+            let values = arrays.finite(&name)?;
+            arrays.length(&name, values.len(), known.spectrum.eigenpairs)?;
+            match values.is_sorted() && values.first().is_none_or(|&least| least >= 0.0) {
+                true => Ok(values),
+                false => Err(arrays.broken(format!("array {name} is negative or does not ascend"))),
+            }
+        });
         let eigenvalues = eigenvalues.collect::<Result<_, _>>()?;
-        let descriptors = arrays.take("region_descriptor", numbers)?;
+        let descriptors = arrays.finite("region_descriptor")?;
         let descriptor_width = descriptors.len().checked_div(regions).unwrap_or(0);
         arrays.length("region_descriptor", descriptors.len(), regions * descriptor_width)?;
-        let cosines = arrays.take("region_cosine", numbers)?;
+        let cosines = arrays.finite("region_cosine")?;
         arrays.length("region_cosine", cosines.len(), regions * regions)?;
         let (mut grid, mut region_voxels) = (None, vec![Vec::new(); regions]);
         if record.domain == Domain::Volume {
@@ -39,6 +51,7 @@ impl Results {
             };
             let solid = arrays.grid(own)?;
             region_voxels = arrays.lists("region_voxels", regions, solid.len())?;
+            arrays.innermost("voxel_region", solid.len(), &region_voxels)?;
             grid = Some(solid);
         }
         // A solid that was given as voxels has no mesh.
@@ -46,11 +59,11 @@ impl Results {
         let has_mesh = grid.is_none() || surface.exists() || arrays.holds_vertices();
         let (mut mesh, mut region_vertices) = (TriangleMesh::new(Vec::new(), Vec::new())?, Vec::new());
         if has_mesh {
+            sums.check_beside(folder, "surface.ply", Results::FILES.record)?;
             mesh = read_mesh(&surface, &ReadOptions::default())?.mesh;
             let vertices = mesh.vertices().len();
-            let labels = arrays.take("vertex_region", integers)?;
-            arrays.length("vertex_region", labels.len(), vertices)?;
             region_vertices = arrays.lists("region_vertices", regions, vertices)?;
+            arrays.innermost("vertex_region", vertices, &region_vertices)?;
         }
         let mut vertex_voxel = Vec::new();
         if let (true, Some(grid)) = (has_mesh, &grid) {
@@ -69,6 +82,14 @@ impl Results {
             true => Some(arrays.indices("file_vertex", mesh.vertices().len())?),
             false => None,
         };
+        let twins = record.regions.iter().map(|region| region.twin.map_or(-1, i64::from));
+        if !arrays.take("region_twin", integers)?.into_iter().eq(twins) {
+            return Err(arrays.broken("array region_twin is not that of regions.json".into()));
+        }
+        let sides = record.regions.iter().map(|region| region.side.unwrap_or(f64::NAN).to_bits());
+        if !arrays.take("region_side", numbers)?.into_iter().map(f64::to_bits).eq(sides) {
+            return Err(arrays.broken("array region_side is not that of regions.json".into()));
+        }
         let elements = grid.as_ref().map_or(mesh.vertices().len(), VoxelGrid::len);
         let mut trees = Vec::new();
         for number in 0..record.trees.len() {
@@ -112,11 +133,17 @@ impl Record {
     /// Reads `regions.json` of a folder, and nothing else.
     ///
     /// # Errors
-    /// [`ResultsError::NotAResult`], [`ResultsError::OtherFormat`], [`ResultsError::Broken`],
+    /// [`ResultsError::NotAResult`], [`ResultsError::OtherFormat`], [`ResultsError::Damaged`], [`ResultsError::Broken`],
     /// [`ResultsError::Io`].
     pub fn load(folder: &Path) -> Result<Self, ResultsError> {
-        let path = folder.join("regions.json");
-        let text = std::fs::read(&path).map_err(|error| match error.kind() {
+        Ok(Self::load_checked(folder)?.0)
+    }
+
+    /// The same with the checksums of the folder.
+    pub(crate) fn load_checked(folder: &Path) -> Result<(Self, Checksums), ResultsError> {
+        let path = folder.join(Results::FILES.record);
+        recover(folder, Results::FILES.record)?;
+        let text = InputFile::read_all(&path).map_err(|error| match error.kind() {
             ErrorKind::NotFound if folder.join(MSV_RECORD).is_file() => {
                 ResultsError::GreyValueResult { folder: folder.to_owned() }
             }
@@ -125,32 +152,11 @@ impl Record {
             }
             _ => ResultsError::Io { path: path.clone(), error },
         })?;
+        let sums = Checksums::load(folder)?;
+        sums.check_beside(folder, Results::FILES.record, "features.npz")?;
         let record: Self = parse(&path, &text, FORMAT)?;
-        let trees = record.trees.len();
-        let is_twin = |twin: u32, of: u32| {
-            twin != of && record.regions.get(twin as usize).is_some_and(|region| region.twin == Some(of))
-        };
-        for (place, region) in record.regions.iter().enumerate() {
-            let known = region.id as usize == place
-                && region.parent.is_none_or(|p| p < region.id)
-                && (region.tree as usize) < trees
-                && region.twin.is_none_or(|twin| is_twin(twin, region.id));
-            if !known {
-                let reason =
-                    format!("region {} names a parent, tree or twin that is none of its own", region.id);
-                return Err(ResultsError::Broken { path, reason });
-            }
-        }
-        let count = record.parts.as_ref().map_or(0, Vec::len);
-        let beyond = |twin: &u32| *twin as usize >= count;
-        for (place, part) in record.parts.iter().flatten().enumerate() {
-            let strange = part.region.is_some_and(|region| region as usize >= record.regions.len());
-            if part.id as usize != place || strange || part.twins.iter().any(beyond) {
-                let reason = format!("part {} names a region or part that is not there", part.id);
-                return Err(ResultsError::Broken { path, reason });
-            }
-        }
-        Ok(record)
+        record.check().map_err(|reason| ResultsError::Broken { path, reason })?;
+        Ok((record, sums))
     }
 }
 
@@ -186,6 +192,11 @@ pub(crate) struct Arrays {
 }
 
 impl Arrays {
+    pub fn load(folder: &Path, name: &str) -> Result<Self, ResultsError> {
+        let path = folder.join(name);
+        Ok(Self { arrays: read_npz(&path)?, path })
+    }
+
     pub fn broken(&self, reason: String) -> ResultsError {
         ResultsError::Broken { path: self.path.clone(), reason }
     }
@@ -213,6 +224,24 @@ impl Arrays {
         Err(self.broken(format!("array {name} has {found} values, but the other files need {expected}")))
     }
 
+    /// Numbers that are numbers.
+    fn finite(&mut self, name: &str) -> Result<Vec<f64>, ResultsError> {
+        let values = self.take(name, numbers)?;
+        match values.iter().all(|x| x.is_finite()) {
+            true => Ok(values),
+            false => Err(self.broken(format!("array {name} holds a value that is not finite"))),
+        }
+    }
+
+    /// The innermost of these regions of each vertex or voxel, which other programs read.
+    fn innermost(&mut self, name: &str, count: usize, regions: &[Vec<u32>]) -> Result<(), ResultsError> {
+        let labels = self.labels(name, count, regions.len())?;
+        match labels == labels_of(count, regions) {
+            true => Ok(()),
+            false => Err(self.broken(format!("array {name} does not fit the lists of the regions"))),
+        }
+    }
+
     /// Numbers below `count`.
     pub fn indices(&mut self, name: &str, count: usize) -> Result<Vec<u32>, ResultsError> {
         let values = self.take(name, integers)?;
@@ -231,14 +260,21 @@ impl Arrays {
         labels.ok_or_else(|| self.broken(format!("array {name} names something beyond {lists}")))
     }
 
-    /// Lists one after another, cut by `NAME_start`.
+    /// Lists one after another, cut by `NAME_start`, each ascending.
     fn lists(&mut self, name: &str, lists: usize, count: usize) -> Result<Vec<Vec<u32>>, ResultsError> {
         let all = self.indices(name, count)?;
         let starts = self.indices(&format!("{name}_start"), all.len() + 1)?;
         self.length(&format!("{name}_start"), starts.len(), lists + 1)?;
+        if (starts.first(), starts.last()) != (Some(&0), Some(&(all.len() as u32))) {
+            return Err(self.broken(format!("array {name}_start does not cut all of {name}")));
+        }
         let slice = |w: &[u32]| all.get(w[0] as usize..w[1] as usize).map(<[u32]>::to_vec);
         let cut: Option<Vec<Vec<u32>>> = starts.windows(2).map(slice).collect();
-        cut.ok_or_else(|| self.broken(format!("array {name}_start does not ascend")))
+        let cut = cut.ok_or_else(|| self.broken(format!("array {name}_start does not ascend")))?;
+        match cut.iter().all(|list| list.is_sorted_by(|a, b| a < b)) {
+            true => Ok(cut),
+            false => Err(self.broken(format!("array {name} does not ascend within a region"))),
+        }
     }
 
     fn grid(&mut self, grid: &GridRecord) -> Result<VoxelGrid, ResultsError> {
@@ -252,12 +288,24 @@ impl Arrays {
         if let Some(v) = index.iter().find(|v| (0..3).any(|a| v[a] as usize >= dims[a])) {
             return Err(self.broken(format!("array voxel_index names voxel {v:?}, beyond {dims:?}")));
         }
-        let mut inside = BitGrid::empty(dims)?;
+        if index.is_empty() {
+            return Err(self.broken("array voxel_index is empty".into()));
+        }
+        // A bit for each voxel of the box, and one for each of its links.
+        let box_voxels = dims.iter().fold(1u128, |all, &n| all.saturating_mul(n as u128));
+        afford(
+            &self.path,
+            format!("a grid of {} x {} x {} voxels", dims[0], dims[1], dims[2]),
+            box_voxels / 2,
+        )?;
+        let fail = |error: ShapeError| self.broken(format!("the grid of its voxels is none: {error}"));
+        let mut inside = BitGrid::empty(dims).map_err(fail)?;
         index.iter().for_each(|&v| inside.set(v, true));
         if !inside.ones().eq(index.iter().copied()) {
             return Err(self.broken("array voxel_index is not in the order of a grid, x fastest".into()));
         }
-        Ok(VoxelGrid::solid(Frame::placed(dims, &grid.affine)?, inside)?)
+        let frame = Frame::placed(dims, &grid.affine).map_err(fail)?;
+        VoxelGrid::solid(frame, inside).map_err(fail)
     }
 
     fn tree(&mut self, number: usize, elements: usize) -> Result<TreeArrays, ResultsError> {
@@ -266,19 +314,20 @@ impl Arrays {
         let altitudes = self.take(&name("altitude"), numbers)?;
         let volumes = self.take(&name("volume"), numbers)?;
         let entry = self.take(&name("entry"), integers)?;
-        if let Some(node) = entry.iter().find(|&&node| node >= parents.len() as i64) {
-            return Err(self.broken(format!(
-                "array {} names node {node}, beyond {}",
-                name("entry"),
-                parents.len()
-            )));
-        }
-        let entry: Vec<u32> = entry.into_iter().map(|n| u32::try_from(n).unwrap_or(u32::MAX)).collect();
+        let nodes = parents.len() as i64;
+        let node = |array: &str, n: i64| match u32::try_from(n) {
+            Ok(number) if n < nodes => Ok(number),
+            _ if n == -1 => Ok(u32::MAX),
+            _ => Err(self.broken(format!("array {} names node {n} of {nodes}", name(array)))),
+        };
+        let entry = entry.into_iter().map(|n| node("entry", n)).collect::<Result<Vec<u32>, _>>()?;
+        let parents = parents.into_iter().map(|n| node("parent", n)).collect::<Result<Vec<u32>, _>>()?;
         self.length(&name("altitude"), altitudes.len(), parents.len())?;
         self.length(&name("volume"), volumes.len(), parents.len())?;
         self.length(&name("entry"), entry.len(), elements)?;
-        let parents = parents.into_iter().map(|p| u32::try_from(p).unwrap_or(u32::MAX)).collect();
-        Ok(TreeArrays { parents, altitudes, volumes, entry })
+        let tree = TreeArrays { parents, altitudes, volumes, entry };
+        tree.check().map_err(|what| self.broken(format!("tree {number}: {what}")))?;
+        Ok(tree)
     }
 }
 

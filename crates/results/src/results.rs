@@ -216,6 +216,9 @@ impl Results {
         let tree = self.trees.get(record.tree as usize)?;
         let members = if self.grid.is_some() { &self.region_voxels } else { &self.region_vertices };
         let mut node = tree.entry[*members[region].first()? as usize];
+        if node == u32::MAX {
+            return None;
+        }
         let gap = |n: u32| (tree.altitudes[n as usize] - record.altitude).abs();
         let mut best = node;
         while tree.parents[node as usize] != u32::MAX {
@@ -267,7 +270,7 @@ pub(crate) fn traits(regions: &[RegionRecord]) -> Vec<RegionTraits> {
 }
 
 /// Innermost regions as files have them: -1 for none.
-fn labels(count: usize, regions: &[Vec<u32>]) -> Vec<i32> {
+pub(crate) fn labels(count: usize, regions: &[Vec<u32>]) -> Vec<i32> {
     innermost_regions(count, regions).into_iter().map(|region| region.map_or(-1, |r| r as i32)).collect()
 }
 

@@ -2,18 +2,20 @@ use std::path::{Path, PathBuf};
 
 use mser3d::Input;
 use mser3d::voxelize::diagnose;
-use mser3d_fileio::read_bytes;
+use mser3d_fileio::{ReadLimits, STDIN, read_bytes_within};
 use mser3d_meshio::{LoadedMesh, MeshFormat, MeshIoError, ReadOptions, read_mesh_from};
 use mser3d_shape::{Domain, InvalidParameter, TriangleMesh};
 use mser3d_volumeio::{BodyParameters, LabelName, PlacementParameters, VolumeFormat};
 use sha2::{Digest, Sha256};
 
-use crate::{InputRecord, ResultsError, SolidVolume, VolumeFile};
+use crate::{InputRecord, ResultsError, ShapeFormat, SolidVolume, VolumeFile};
 
 /// How a shape is read from a file. By default nothing is chosen or replaced.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ShapeOptions {
-    /// The frame of a glTF animation.
+    /// The format of the file, in place of what its name says.
+    pub format: Option<ShapeFormat>,
+    /// The frame of a glTF animation, and the limits of reading, which hold for volumes as well.
     pub pose: ReadOptions,
     /// Which voxels of a volume are the body.
     pub body: BodyParameters,
@@ -32,7 +34,7 @@ pub struct ShapeOptions {
 /// use mser3d_results::{Results, ShapeFile, ShapeOptions};
 ///
 /// // The fox, half a second into its second animation.
-/// let pose = ReadOptions { animation: Some("1".to_owned()), time: 0.5 };
+/// let pose = ReadOptions { animation: Some("1".to_owned()), time: 0.5, ..Default::default() };
 /// let file = ShapeFile::read("Fox.glb".as_ref(), &ShapeOptions { pose, ..Default::default() })?;
 /// let features = Detector::default().detect(file.input(Domain::Volume)?)?;
 /// Results::of_file(&features, &file)?.write("fox".as_ref())?;
@@ -65,16 +67,17 @@ pub enum Contents {
 }
 
 impl ShapeFile {
-    /// Reads a mesh, or the body in a volume; the name's ending says which.
+    /// Reads a mesh, or the body in a volume; the name's ending says which, if no format is chosen.
     ///
     /// # Errors
     /// [`ResultsError::Mesh`], [`ResultsError::Volume`], [`ResultsError::File`], [`ResultsError::Body`],
-    /// [`ResultsError::Placement`], naming the file; [`ResultsError::UnknownFormat`];
+    /// [`ResultsError::Placement`], naming the file; [`ResultsError::UnknownFormat`], [`ResultsError::OtherContents`],
+    /// [`ResultsError::NoFormat`];
     /// [`ResultsError::NoMesh`] for an animation of a volume, [`ResultsError::NoVolume`] for a label, a threshold or a
     /// place of a mesh.
     pub fn read(path: &Path, options: &ShapeOptions) -> Result<Self, ResultsError> {
         options.pose.validate()?;
-        if VolumeFormat::of(path).is_some() {
+        if options.volume_format(path).is_some() {
             if options.pose.animation.is_some() {
                 return Err(ResultsError::NoMesh { path: path.to_owned(), option: "--animation" });
             }
@@ -85,12 +88,9 @@ impl ShapeFile {
         if let Some(option) = options.first_of_volumes() {
             return Err(ResultsError::NoVolume { path: path.to_owned(), option });
         }
-        let bytes = read_bytes(path)?;
+        let bytes = read_bytes_within(path, &options.pose.limits, 1)?;
         let sha256 = hex(Sha256::digest(&bytes));
-        let format = MeshFormat::of(path, &bytes).map_err(|error| match error {
-            source @ MeshIoError::UnknownFormat { .. } => ResultsError::UnknownFormat { source },
-            error => error.into(),
-        })?;
+        let format = options.mesh_format(path, &bytes)?;
         let loaded = read_mesh_from(format, &bytes, path, &options.pose)?;
         let (vertices, triangles) = (loaded.mesh.vertices().len(), loaded.mesh.triangles().len());
         tracing::info!(path = %path.display(), %format, vertices, triangles, "read");
@@ -179,11 +179,13 @@ impl ShapeFile {
 
     /// Its format, in words.
     pub fn format(&self) -> String {
-        match (&self.contents, VolumeFormat::of(&self.path)) {
-            (Contents::Mesh(loaded), _) => loaded.format.to_string(),
-            (Contents::BareMesh(_), _) => "mesh in memory".into(),
-            (Contents::Volume(_), Some(format)) => format!("{format} mask"),
-            (Contents::Volume(_), None) => "mask".into(),
+        match &self.contents {
+            Contents::Mesh(loaded) => loaded.format.to_string(),
+            Contents::BareMesh(_) => "mesh in memory".into(),
+            Contents::Volume(solid) => match solid.format {
+                Some(format) => format!("{format} mask"),
+                None => "mask".into(),
+            },
         }
     }
 
@@ -209,6 +211,48 @@ impl ShapeFile {
 }
 
 impl ShapeOptions {
+    /// What reading may take, and where a file may lead.
+    pub fn limits(&self) -> &ReadLimits {
+        &self.pose.limits
+    }
+
+    /// The same limits, and nothing chosen or replaced.
+    #[must_use]
+    pub fn limits_alone(&self) -> Self {
+        let limits = self.limits().clone();
+        Self { pose: ReadOptions { limits, ..Default::default() }, ..Default::default() }
+    }
+
+    /// The format of a volume: what was chosen, or what the name says; none of a mesh.
+    pub fn volume_format(&self, path: &Path) -> Option<VolumeFormat> {
+        match self.format {
+            Some(ShapeFormat::Volume(format)) => Some(format),
+            Some(ShapeFormat::Mesh(_)) => None,
+            None => VolumeFormat::of(path),
+        }
+    }
+
+    /// The format of a mesh: what was chosen, or what the name says. Contents that are another one's are an error. Standard
+    /// input has no name; there the contents say it.
+    fn mesh_format(&self, path: &Path, bytes: &[u8]) -> Result<MeshFormat, ResultsError> {
+        let contents = MeshFormat::from_contents(bytes);
+        match (self.format, contents) {
+            (Some(ShapeFormat::Mesh(given)), Some(contents)) if given != contents => {
+                let (path, given) = (path.to_owned(), ShapeFormat::Mesh(given));
+                Err(ResultsError::OtherContents { path, given, contents: ShapeFormat::Mesh(contents) })
+            }
+            (Some(ShapeFormat::Mesh(given)), _) => Ok(given),
+            (_, Some(contents)) if path == Path::new(STDIN) => Ok(contents),
+            (_, None) if path == Path::new(STDIN) => {
+                Err(ResultsError::NoFormat { path: path.to_owned(), choices: ShapeFormat::names() })
+            }
+            _ => MeshFormat::of(path, bytes).map_err(|error| match error {
+                source @ MeshIoError::UnknownFormat { .. } => ResultsError::UnknownFormat { source },
+                error => error.into(),
+            }),
+        }
+    }
+
     /// The first option that is given and that only volumes have.
     fn first_of_volumes(&self) -> Option<&'static str> {
         let options = [

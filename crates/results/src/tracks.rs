@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use mser3d_fileio::write_text;
+use mser3d_fileio::{InputFile, write_text};
 use mser3d_shape::InvalidParameter;
 use serde::{Deserialize, Serialize};
 
 use crate::load::parse;
-use crate::{FORMAT, ResultsError};
+use crate::{Checksums, FORMAT, ResultsError};
 
 /// How regions are followed through a sequence.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -153,11 +153,17 @@ impl TracksRecord {
     /// Reads the file in a folder.
     ///
     /// # Errors
-    /// [`ResultsError::Io`], [`ResultsError::OtherFormat`], [`ResultsError::Broken`].
+    /// [`ResultsError::Io`], [`ResultsError::OtherFormat`], [`ResultsError::Damaged`], [`ResultsError::Broken`].
     pub fn load(folder: &Path) -> Result<Self, ResultsError> {
         let path = folder.join(Self::FILE);
-        let text = std::fs::read(&path).map_err(|error| ResultsError::Io { path: path.clone(), error })?;
-        parse(&path, &text, FORMAT)
+        let text =
+            InputFile::read_all(&path).map_err(|error| ResultsError::Io { path: path.clone(), error })?;
+        Checksums::load(folder)?.check(folder, Self::FILE)?;
+        let record: Self = parse(&path, &text, FORMAT)?;
+        match record.check() {
+            Ok(()) => Ok(record),
+            Err(reason) => Err(ResultsError::Broken { path, reason }),
+        }
     }
 
     /// Writes the file into a folder.

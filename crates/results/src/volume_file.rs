@@ -1,10 +1,10 @@
 use std::path::{Path, PathBuf};
 
-use mser3d_fileio::read_bytes;
+use mser3d_fileio::{FileError, InputFile};
 use mser3d_shape::{BitGrid, ShapeError, VoxelGrid};
 use mser3d_volumeio::{
-    Affine, Body, BodyParameters, ChannelKind, LabelCount, LoadedVolume, Volume, World, WorldAxes,
-    read_volume,
+    Affine, Body, BodyParameters, ChannelKind, LabelCount, LoadedVolume, Volume, VolumeFormat, VolumeIoError,
+    World, WorldAxes, read_volume_as,
 };
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -31,6 +31,8 @@ pub struct VolumeFile {
     pub sha256: Option<String>,
     /// Its size; none of what was in memory.
     pub bytes: Option<u64>,
+    /// Its format; none of what was in memory.
+    pub format: Option<VolumeFormat>,
     /// What it holds.
     pub loaded: LoadedVolume,
 }
@@ -39,6 +41,8 @@ pub struct VolumeFile {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct SolidVolume {
+    /// The format of its file; none of what was in memory.
+    pub format: Option<VolumeFormat>,
     /// Its voxels, on the grid of the whole volume.
     pub grid: VoxelGrid,
     /// What a record says of it.
@@ -104,14 +108,13 @@ impl VolumeFile {
     /// [`ResultsError::File`], [`ResultsError::Volume`], [`ResultsError::Placement`], naming the file.
     pub fn read(path: &Path, options: &ShapeOptions) -> Result<Self, ResultsError> {
         options.placement.validate()?;
-        let bytes = read_bytes(path)?;
-        let sha256 = hex(Sha256::digest(&bytes));
-        let file = Self {
-            path: path.to_owned(),
-            sha256: Some(sha256),
-            bytes: Some(bytes.len() as u64),
-            loaded: read_volume(path)?,
-        };
+        let format = options.volume_format(path);
+        let format = format.ok_or_else(|| VolumeIoError::UnknownFormat { path: path.to_owned() })?;
+        // First, so that what is refused is refused at once.
+        let loaded = read_volume_as(format, path, options.limits())?;
+        let (sha256, bytes) = file_sha256(path)?;
+        let (path, sha256, bytes) = (path.to_owned(), Some(sha256), Some(bytes));
+        let file = Self { path, sha256, bytes, format: Some(format), loaded };
         file.placed(options)
     }
 
@@ -122,7 +125,7 @@ impl VolumeFile {
     pub fn of_volume(volume: Volume, name: &str, options: &ShapeOptions) -> Result<Self, ResultsError> {
         options.placement.validate()?;
         let loaded = LoadedVolume::of_array(volume);
-        Self { path: name.into(), sha256: None, bytes: None, loaded }.placed(options)
+        Self { path: name.into(), sha256: None, bytes: None, format: None, loaded }.placed(options)
     }
 
     fn placed(self, options: &ShapeOptions) -> Result<Self, ResultsError> {
@@ -162,7 +165,7 @@ impl VolumeFile {
         let grid = VoxelGrid::solid(frame, mask.clone())?;
         record.body = Some(body_record(&body, &grid, &record.affine, parameters.threshold));
         let notes = self.loaded.notes.iter().chain(notes).cloned().collect();
-        let solid = SolidVolume { grid, record, notes };
+        let solid = SolidVolume { format: self.format, grid, record, notes };
         Ok(ShapeFile {
             path: path.clone(),
             sha256: self.sha256.clone(),
@@ -188,6 +191,14 @@ impl VolumeFile {
             body: None,
         }
     }
+}
+
+/// The hash of a file, and its size, without holding it.
+fn file_sha256(path: &Path) -> Result<(String, u64), FileError> {
+    let fault = |source| FileError::Read { path: path.to_path_buf(), source };
+    let mut hash = Sha256::new();
+    let bytes = std::io::copy(&mut InputFile::open(path).map_err(fault)?, &mut hash).map_err(fault)?;
+    Ok((hex(hash.finalize()), bytes))
 }
 
 fn misplaced(path: &Path, error: ShapeError) -> ResultsError {

@@ -1,12 +1,10 @@
 use std::path::Path;
 
-use mser3d_fileio::{NpyArray, Writing, write_npz, write_text};
-use mser3d_shape::Choice;
+use mser3d_fileio::{NpyArray, write_npz, write_text};
 
 use crate::eigenfunctions::write_eigenfunctions;
+use crate::folder::Kind;
 use crate::{Results, ResultsError, ResultsFolder};
-
-const FILES: [&str; 5] = ["regions.json", "features.npz", "surface.ply", "volume.vti", "view.html"];
 
 mser3d_shape::choice! {
     /// What can be written to a folder of results besides.
@@ -29,7 +27,7 @@ mser3d_shape::choice! {
 
 impl Extra {
     /// The name of the file.
-    pub fn file_name(self) -> &'static str {
+    pub const fn file_name(self) -> &'static str {
         match self {
             Self::Nifti => "regions.nii.gz",
             Self::Landmarks => "landmarks.mrk.json",
@@ -47,16 +45,15 @@ impl Extra {
 }
 
 impl Results {
-    /// Writes the folder, which is made if it is not there: `regions.json`, `features.npz`, `surface.ply` of a mesh and
-    /// `volume.vti` of a volume.
+    /// Writes the folder, which is made if it is not there: `regions.json`, `features.npz`, `surface.ply` of a mesh,
+    /// `volume.vti` of a volume, and `checksums.json` of them all.
     ///
-    /// The files of an older result go first, its page too, `regions.json` before the others; and it appears
-    /// last: while it is there, the others belong to it. Each file appears whole or not at all, and the same results
-    /// make the same bytes. To find out early whether a folder can be written to, use [`ResultsFolder`].
+    /// The new files take the place of those of an older result, its page too, when all are written: what is promised stands at
+    /// [`ResultsFolder`], which also finds out early whether a folder can be written to. The same results make the same bytes.
     ///
     /// # Errors
-    /// [`ResultsError::OutputFolder`], [`ResultsError::Io`], [`ResultsError::File`] or [`ResultsError::Mesh`], naming
-    /// the file.
+    /// [`ResultsError::OutputFolder`], [`ResultsError::Busy`], [`ResultsError::Io`], [`ResultsError::File`] or
+    /// [`ResultsError::Mesh`], naming the file.
     pub fn write(&self, folder: &Path) -> Result<(), ResultsError> {
         ResultsFolder::create(folder)?.write(self, &[])
     }
@@ -65,13 +62,15 @@ impl Results {
     /// concern no other file: the regions' tracks and colours.
     ///
     /// # Errors
-    /// [`ResultsError::Io`], [`ResultsError::File`] or [`ResultsError::Mesh`], naming the file.
+    /// [`ResultsError::Busy`], [`ResultsError::Io`], [`ResultsError::File`] or [`ResultsError::Mesh`], naming the file.
     pub fn write_colours(&self, folder: &Path) -> Result<(), ResultsError> {
-        let _whole = Writing::begin();
-        if !self.mesh_of_voxels {
-            self.export(&folder.join("surface.ply"))?;
-        }
-        self.write_record(folder)
+        let changed = Kind { others: &[], ..Self::FILES };
+        ResultsFolder::create(folder)?.replace(&changed, |staged| {
+            if !self.mesh_of_voxels {
+                self.export(&staged.join("surface.ply"))?;
+            }
+            self.write_record(staged)
+        })
     }
 
     fn write_record(&self, folder: &Path) -> Result<(), ResultsError> {
@@ -81,16 +80,8 @@ impl Results {
         Ok(write_text(&path, &json)?)
     }
 
+    /// Writes all files into an empty folder.
     pub(crate) fn write_files(&self, folder: &Path, extras: &[Extra]) -> Result<(), ResultsError> {
-        for name in FILES.into_iter().chain(Extra::ALL.iter().map(|extra| extra.file_name())) {
-            let path = folder.join(name);
-            match std::fs::remove_file(&path) {
-                Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                    return Err(ResultsError::Io { path, error });
-                }
-                _ => {}
-            }
-        }
         let vertex_region = self.vertex_region();
         let voxel_region = self.voxel_region();
         let mut arrays = Vec::new();

@@ -40,6 +40,7 @@ mod mesh;
 mod nearest;
 mod parameter;
 mod random;
+mod readable;
 mod runs;
 mod split;
 mod subdivision;
@@ -60,6 +61,7 @@ pub use mesh::{BoundingBox, TriangleMesh};
 pub use nearest::NearestVoxels;
 pub use parameter::InvalidParameter;
 pub use random::SplitMix64;
+pub use readable::{Bytes, Readable};
 pub use subdivision::Subdivision;
 
 #[cfg(doctest)]

@@ -1,5 +1,7 @@
 use std::fmt;
 
+use crate::Readable;
+
 /// A parameter that is out of its range: the one such error of all crates.
 ///
 /// ```
@@ -20,7 +22,14 @@ pub struct InvalidParameter {
 impl InvalidParameter {
     /// The error of a parameter that has this value and must be something else.
     pub fn new(name: &'static str, value: impl fmt::Display, expected: impl Into<String>) -> Self {
-        Self { name, value: value.to_string(), expected: expected.into() }
+        let value = value.to_string();
+        // Not rows of zeros.
+        let number = value.parse::<f64>().ok().filter(|_| value.len() > 20);
+        Self {
+            name,
+            value: number.map_or(value, |number| Readable(number).to_string()),
+            expected: expected.into(),
+        }
     }
 
     /// The error, unless the condition holds.

@@ -1,4 +1,4 @@
-use mser3d_shape::InvalidParameter;
+use mser3d_shape::{Bytes, InvalidParameter};
 
 /// Why there is no spectrum.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -19,18 +19,19 @@ pub enum SpectralError {
     },
     /// The work would not fit into memory.
     #[error(
-        "{work} of {rows} rows need about {needed_mb} MB, more than the limit of {limit_mb} MB; \
-         ask for fewer eigenpairs, use a coarser grid or raise the memory limit"
+        "{work} of {rows} rows need about {}, more than the limit of {}; \
+         ask for fewer eigenpairs, use a coarser grid or raise the memory limit",
+        Bytes(*needed), Bytes(*limit)
     )]
     TooMuchMemory {
         /// What would take so much: "100 eigenpairs".
         work: String,
         /// Rows of the operator.
         rows: usize,
-        /// Estimate, in units of 10^6 bytes.
-        needed_mb: u64,
-        /// Limit, in units of 10^6 bytes.
-        limit_mb: u64,
+        /// Estimate, in bytes.
+        needed: u64,
+        /// Limit, in bytes.
+        limit: u64,
     },
     /// The iteration ended before all eigenpairs reached the tolerance.
     #[error(

@@ -81,9 +81,11 @@ impl Lanczos<'_> {
             if !progress(foreseen(done, self.work_of(columns))) {
                 return Err(SpectralError::Cancelled);
             }
-            self.null_space.project_out(&mut image);
             let first = coupled.min(basis.settled());
             let (coefficients, gram) = basis.take_out(&mut image, first);
+            // What little the columns have of the null space is not little beside what is left of the image: taken out any
+            // earlier, it would grow from block to block.
+            self.null_space.project_out(&mut image);
             for j in 0..block {
                 for i in 0..coefficients.nrows() {
                     projected[(filled + j, first + i)] = coefficients[(i, j)];

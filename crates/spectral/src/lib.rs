@@ -49,6 +49,7 @@ mod elimination;
 mod error;
 mod factor;
 mod filter;
+mod fronts;
 mod kernels;
 mod lambda_max;
 mod lanczos;

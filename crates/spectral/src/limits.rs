@@ -11,12 +11,7 @@ pub(crate) fn check_memory(
 ) -> Result<(), SpectralError> {
     let needed = numbers as u64 * 8;
     match limit {
-        Some(limit) if needed > limit => Err(SpectralError::TooMuchMemory {
-            work,
-            rows,
-            needed_mb: needed / 1_000_000,
-            limit_mb: limit / 1_000_000,
-        }),
+        Some(limit) if needed > limit => Err(SpectralError::TooMuchMemory { work, rows, needed, limit }),
         _ => Ok(()),
     }
 }

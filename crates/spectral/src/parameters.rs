@@ -8,7 +8,7 @@ choice! {
         /// By size and kind: dense, the filter for grids, shift-invert for all others
         ///
         /// Dense up to 400 rows. The filter wherever a grid has many times more voxels than eigenpairs are
-        /// wanted.
+        /// wanted, but for long thin bodies, such as rods.
         #[default]
         Auto = "auto",
         /// Block Lanczos on the inverse, by sparse L D L^T factorizations

@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// Reads, writes, and says what was read.
 pub fn convert(from: &Path, to: &Path) -> Result<serde_json::Value, VolumeIoError> {
-    let loaded = read_volume(from)?;
+    let loaded = read_volume(from, &Default::default())?;
     let volume = &loaded.volume;
     match to.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("npy")) {
         true => write_npy(to, volume)?,

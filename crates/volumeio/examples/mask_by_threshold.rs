@@ -21,7 +21,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     let scan = Volume::new(dims, 1, affine, grey.collect::<Vec<f32>>())?;
     write_nifti(&folder.join("scan.nii.gz"), &scan)?;
 
-    let scan = read_volume(&folder.join("scan.nii.gz"))?.volume;
+    let scan = read_volume(&folder.join("scan.nii.gz"), &Default::default())?.volume;
     let mut mask = BitGrid::empty(scan.dims())?;
     let [nx, ny, _] = scan.dims();
     for (v, grey) in scan.samples().to_f64().into_iter().enumerate() {

@@ -1,7 +1,7 @@
 //! Files as streams of bytes, unpacked where they are packed, and numbers at fixed places in them.
 use crate::error::Fault;
 use flate2::bufread::MultiGzDecoder;
-use std::fs::File;
+use mser3d_fileio::{InputFile, ReadLimits};
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
@@ -15,27 +15,22 @@ pub(crate) fn open(path: &Path) -> Result<Box<dyn BufRead>, Fault> {
 }
 
 /// The bytes of a file as they are.
-pub(crate) fn open_raw(path: &Path) -> Result<BufReader<File>, Fault> {
-    Ok(BufReader::with_capacity(1 << 16, File::open(path).map_err(Fault::Io)?))
+pub(crate) fn open_raw(path: &Path) -> Result<BufReader<InputFile>, Fault> {
+    Ok(BufReader::with_capacity(1 << 16, InputFile::open(path).map_err(Fault::Io)?))
 }
 
 /// A file that a header names, which lies beside it.
-pub(crate) fn beside(header: &Path, name: &str) -> Result<PathBuf, Fault> {
-    if name.is_empty() {
-        return Err(Fault::invalid("the name of its data file is empty"));
-    }
-    if Path::new(name).has_root() || name.as_bytes().get(1) == Some(&b':') {
-        return Err(Fault::unsupported(format!(
-            "its data file has an absolute path, {name}; put the file beside the header and write its name alone"
-        )));
-    }
-    let path = header.parent().unwrap_or(Path::new("")).join(name);
-    if !path.is_file() {
-        return Err(Fault::invalid(format!(
-            "its data file {name} is missing; header and data belong into the same folder"
-        )));
-    }
-    Ok(path)
+pub(crate) fn beside(header: &Path, name: &str, limits: &ReadLimits) -> Result<PathBuf, Fault> {
+    limits.named_file(header, name).map_err(Fault::Invalid)
+}
+
+/// The text that a file goes on with; beside it, what is made of it takes `beside` bytes.
+pub(crate) fn text(source: impl BufRead, limits: &ReadLimits, beside: u64) -> Result<Vec<u8>, Fault> {
+    let mut text = Vec::new();
+    source.take(limits.left().saturating_sub(beside).saturating_add(1)).read_to_end(&mut text)?;
+    let all = beside.saturating_add(text.len() as u64);
+    limits.check_memory(all, || "its values are a long text".into())?;
+    Ok(text)
 }
 
 /// Passes over bytes; whether they were there is seen when what follows is read.
@@ -44,9 +39,17 @@ pub(crate) fn skip(source: &mut impl Read, bytes: u64) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Reads on to the end, where packed files have their checksum: what is damaged or cut off there is an error.
-pub(crate) fn finish(mut source: impl Read) -> Result<(), Fault> {
-    match std::io::copy(&mut source, &mut std::io::sink()) {
+/// So many bytes may follow the values of a packed file.
+const MOST_BEHIND: u64 = 256 << 20;
+
+/// Reads on to the end, where packed files have their checksum: what is damaged or cut off there is an error, and so is
+/// what does not come to an end.
+pub(crate) fn finish(source: impl Read) -> Result<(), Fault> {
+    match std::io::copy(&mut source.take(MOST_BEHIND), &mut std::io::sink()) {
+        Ok(MOST_BEHIND) => Err(Fault::invalid(format!(
+            "more than {} MB are packed behind the values that its header promises; header and data do not belong together",
+            MOST_BEHIND >> 20
+        ))),
         // Bytes behind the end, as from a tape, are not packed.
         Err(error) if error.to_string().contains("invalid gzip header") => Ok(()),
         other => other.map(drop).map_err(Fault::from),
@@ -126,16 +129,5 @@ mod tests {
         assert_eq!(all_numbered("%d", [4, 0, -2]).unwrap(), ["4", "2", "0"]);
         assert_eq!(all_numbered("%d", [0, 4, 0]), None);
         assert_eq!(all_numbered("%d", [0, i64::MAX, 1]), None);
-    }
-
-    #[test]
-    fn data_files_lie_beside_the_header() {
-        let folder = tempfile::tempdir().unwrap();
-        std::fs::write(folder.path().join("a.raw"), "x").unwrap();
-        let header = folder.path().join("a.nhdr");
-        assert_eq!(beside(&header, "a.raw").unwrap(), folder.path().join("a.raw"));
-        for bad in ["", "b.raw", "/etc/passwd", "C:\\a.raw", "."] {
-            assert!(beside(&header, bad).is_err(), "{bad}");
-        }
     }
 }

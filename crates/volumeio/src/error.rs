@@ -1,5 +1,5 @@
 use crate::VolumeFormat;
-use mser3d_fileio::FileError;
+use mser3d_fileio::{FileError, OverLimit};
 use std::path::{Path, PathBuf};
 
 /// Why a volume could not be read or written.
@@ -34,7 +34,7 @@ pub enum VolumeIoError {
         /// What is wrong.
         reason: String,
     },
-    /// The operating system refused to read or to write, or a NumPy file is broken.
+    /// The operating system refused to read or to write, a file is over the limits of reading, or a NumPy file is broken.
     #[error(transparent)]
     File(#[from] FileError),
 }
@@ -45,6 +45,7 @@ pub(crate) enum Fault {
     Io(std::io::Error),
     Invalid(String),
     Unsupported(String),
+    OverLimit(OverLimit),
 }
 
 impl Fault {
@@ -63,6 +64,7 @@ impl Fault {
             Self::Io(error) => Self::Invalid(format!("its data file {name} cannot be read: {error}")),
             Self::Invalid(reason) => Self::Invalid(format!("its data file {name}: {reason}")),
             Self::Unsupported(reason) => Self::Unsupported(format!("its data file {name}: {reason}")),
+            Self::OverLimit(over) => Self::OverLimit(over),
         }
     }
 
@@ -72,7 +74,14 @@ impl Fault {
             Self::Io(source) => VolumeIoError::File(FileError::Read { path, source }),
             Self::Invalid(reason) => VolumeIoError::Invalid { path, reason },
             Self::Unsupported(reason) => VolumeIoError::Unsupported { path, reason },
+            Self::OverLimit(source) => VolumeIoError::File(FileError::OverLimit { path, source }),
         }
+    }
+}
+
+impl From<OverLimit> for Fault {
+    fn from(over: OverLimit) -> Self {
+        Self::OverLimit(over)
     }
 }
 

@@ -1,5 +1,6 @@
 use crate::error::Fault;
 use crate::{LoadedVolume, VolumeIoError, bytes, metaimage, mgh, nifti, npy, nrrd, tiff};
+use mser3d_fileio::ReadLimits;
 use std::fmt;
 use std::path::Path;
 
@@ -43,9 +44,24 @@ const ENDINGS: [(&str, VolumeFormat); 17] = [
 ];
 
 impl VolumeFormat {
+    /// All formats.
+    pub const ALL: [Self; 6] = [Self::Npy, Self::Nifti, Self::Nrrd, Self::MetaImage, Self::Mgh, Self::Tiff];
+
     /// The known extensions.
     pub const LIST: &'static str =
         ".npy, .nii, .nii.gz, .hdr with .img, .nrrd, .nhdr, .mha, .mhd, .mgz, .mgh, .tif and .tiff";
+
+    /// Its name, in lower case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Npy => "npy",
+            Self::Nifti => "nifti",
+            Self::Nrrd => "nrrd",
+            Self::MetaImage => "metaimage",
+            Self::Mgh => "mgh",
+            Self::Tiff => "tiff",
+        }
+    }
 
     /// The format that a file's name promises, if any.
     ///
@@ -62,33 +78,41 @@ impl VolumeFormat {
 
 impl fmt::Display for VolumeFormat {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Npy => "npy",
-            Self::Nifti => "nifti",
-            Self::Nrrd => "nrrd",
-            Self::MetaImage => "metaimage",
-            Self::Mgh => "mgh",
-            Self::Tiff => "tiff",
-        })
+        f.write_str(self.name())
     }
 }
 
 /// Reads a volume from a file; its name says the format.
 ///
+/// What the file declares is compared with the limits before memory is taken for it. While it is read it takes no more
+/// than twice the bytes of its values, as they are kept: NIfTI's scaled values have 8 bytes, half numbers 4.
+///
 /// # Errors
-/// [`VolumeIoError::File`], [`VolumeIoError::UnknownFormat`], [`VolumeIoError::Invalid`],
+/// [`VolumeIoError::File`], also for a file over the limits, [`VolumeIoError::UnknownFormat`], [`VolumeIoError::Invalid`],
 /// [`VolumeIoError::Unsupported`].
-pub fn read_volume(path: &Path) -> Result<LoadedVolume, VolumeIoError> {
+pub fn read_volume(path: &Path, limits: &ReadLimits) -> Result<LoadedVolume, VolumeIoError> {
     let format =
         VolumeFormat::of(path).ok_or_else(|| VolumeIoError::UnknownFormat { path: path.to_path_buf() })?;
+    read_volume_as(format, path, limits)
+}
+
+/// Reads a volume from a file of this format, whatever its name.
+///
+/// # Errors
+/// As [`read_volume`], but for the format.
+pub fn read_volume_as(
+    format: VolumeFormat,
+    path: &Path,
+    limits: &ReadLimits,
+) -> Result<LoadedVolume, VolumeIoError> {
     let read = || -> Result<LoadedVolume, Fault> {
         match format {
-            VolumeFormat::Npy => npy::read(bytes::open_raw(path)?),
-            VolumeFormat::Nifti => nifti::read(path),
-            VolumeFormat::Nrrd => nrrd::read(path),
-            VolumeFormat::MetaImage => metaimage::read(path),
-            VolumeFormat::Mgh => mgh::read(path),
-            VolumeFormat::Tiff => tiff::read(bytes::open_raw(path)?),
+            VolumeFormat::Npy => npy::read(bytes::open_raw(path)?, limits),
+            VolumeFormat::Nifti => nifti::read(path, limits),
+            VolumeFormat::Nrrd => nrrd::read(path, limits),
+            VolumeFormat::MetaImage => metaimage::read(path, limits),
+            VolumeFormat::Mgh => mgh::read(path, limits),
+            VolumeFormat::Tiff => tiff::read(bytes::open_raw(path)?, limits),
         }
     };
     read().map_err(|fault| fault.in_file(path))

@@ -1,7 +1,7 @@
 //! Names of labels from a table beside the label map.
 use crate::error::Fault;
 use crate::{LoadedVolume, Segment, VolumeIoError};
-use mser3d_fileio::read_bytes;
+use mser3d_fileio::{ReadLimits, read_bytes_within};
 use std::path::Path;
 
 /// A label and its name.
@@ -36,8 +36,8 @@ impl LoadedVolume {
 /// # Errors
 /// [`VolumeIoError::File`]; [`VolumeIoError::Invalid`] for a line without a label or name, for a label that is there
 /// twice, and for no label at all.
-pub fn read_label_names(path: &Path) -> Result<Vec<LabelName>, VolumeIoError> {
-    let bytes = read_bytes(path)?;
+pub fn read_label_names(path: &Path, limits: &ReadLimits) -> Result<Vec<LabelName>, VolumeIoError> {
+    let bytes = read_bytes_within(path, limits, 8)?;
     parse(&String::from_utf8_lossy(&bytes)).map_err(|fault| fault.in_file(path))
 }
 

@@ -25,7 +25,7 @@
 //! # std::fs::create_dir_all(&folder)?;
 //! let path = folder.join("small.nii.gz");
 //! write_nifti(&path, &volume)?;
-//! assert_eq!(read_volume(&path)?.volume, volume);
+//! assert_eq!(read_volume(&path, &Default::default())?.volume, volume);
 //! # std::fs::remove_dir_all(&folder)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -53,7 +53,7 @@ mod volume;
 
 pub use body::{Body, BodyError, BodyParameters, Label, LabelCount};
 pub use error::VolumeIoError;
-pub use format::{VolumeFormat, read_volume};
+pub use format::{VolumeFormat, read_volume, read_volume_as};
 pub use label_names::{LabelName, read_label_names};
 pub use loaded::{ChannelKind, LoadedVolume, Segment, World, WorldAxes};
 pub use mser3d_shape::Affine;

@@ -3,19 +3,20 @@ use crate::bytes::{Fields, finish, open, skip};
 use crate::error::Fault;
 use crate::loaded::{LoadedVolume, World};
 use crate::sample_type::SampleType;
-use crate::volume::{interleaved, voxel_count};
+use crate::volume::{allowed_count, interleaved};
 use crate::{Affine, Volume, VolumeFormat};
+use mser3d_fileio::ReadLimits;
 use std::io::Read;
 use std::path::Path;
 
 /// Where the values begin. Everything is big-endian.
 const DATA_AT: usize = 284;
 
-pub(crate) fn read(path: &Path) -> Result<LoadedVolume, Fault> {
-    parse(open(path)?)
+pub(crate) fn read(path: &Path, limits: &ReadLimits) -> Result<LoadedVolume, Fault> {
+    parse(open(path)?, limits)
 }
 
-fn parse(mut source: impl Read) -> Result<LoadedVolume, Fault> {
+fn parse(mut source: impl Read, limits: &ReadLimits) -> Result<LoadedVolume, Fault> {
     let mut bytes = [0; 90];
     source.read_exact(&mut bytes)?;
     skip(&mut source, (DATA_AT - bytes.len()) as u64)?;
@@ -55,7 +56,7 @@ fn parse(mut source: impl Read) -> Result<LoadedVolume, Fault> {
             (centred(cosines, dims, [0.0; 3])?, "nothing: FreeSurfer's coronal default")
         }
     };
-    let count = voxel_count(dims).and_then(|n| n.checked_mul(frames)).unwrap_or(usize::MAX);
+    let count = allowed_count(dims, frames, sample.bytes(), limits)?;
     let values = sample.read(count, true, &mut source)?;
     finish(source)?;
     let mut loaded = LoadedVolume::plain(
@@ -104,12 +105,12 @@ mod tests {
 
     #[test]
     fn the_middle_is_at_c_ras() {
-        let loaded = parse(&file(1, 1)[..]).unwrap();
+        let loaded = parse(&file(1, 1)[..], &ReadLimits::default()).unwrap();
         assert_eq!(*loaded.volume.samples(), Samples::I16(vec![-2, -1, 0, 1]));
         let affine = loaded.volume.affine();
         assert_eq!(affine.position([1.0, 0.5, 1.0]), [10., 20., 30.]);
         assert_eq!(affine.steps(), [[0., 2., 0.], [-3., 0., 0.], [0., 0., 4.]]);
-        let loaded = parse(&file(0, 2)[..]).unwrap();
+        let loaded = parse(&file(0, 2)[..], &ReadLimits::default()).unwrap();
         assert_eq!(loaded.volume.affine().axis_codes(), "LIA");
         assert_eq!(*loaded.volume.channel(1).samples(), Samples::I16(vec![2, 3, 4, 5]));
         assert!(loaded.notes[0].contains("no orientation"));
@@ -119,14 +120,17 @@ mod tests {
     fn damaged_files_are_errors() {
         let whole = file(1, 1);
         for length in 0..whole.len() {
-            assert!(parse(&whole[..length]).is_err(), "{length} bytes");
+            assert!(parse(&whole[..length], &ReadLimits::default()).is_err(), "{length} bytes");
         }
         for (at, field, says) in
             [(0, 2, "version 1"), (4, -1, "length -1"), (12, i32::MAX, "promises"), (20, 2, "type 2")]
         {
             let mut bytes = whole.clone();
             bytes[at..at + 4].copy_from_slice(&i32::to_be_bytes(field));
-            let error = parse(&bytes[..]).unwrap_err().in_file(Path::new("a.mgz")).to_string();
+            let error = parse(&bytes[..], &ReadLimits::default())
+                .unwrap_err()
+                .in_file(Path::new("a.mgz"))
+                .to_string();
             assert!(error.contains(says), "{error}");
         }
     }

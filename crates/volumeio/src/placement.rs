@@ -1,7 +1,7 @@
 //! Where a volume lies, when the user knows better than the file.
 use crate::error::Fault;
 use crate::{LoadedVolume, VolumeIoError};
-use mser3d_fileio::{NpyValues, read_bytes, read_npy};
+use mser3d_fileio::{NpyValues, ReadLimits, read_bytes_within, read_npy};
 use mser3d_shape::{Affine, InvalidParameter, ShapeError};
 use std::path::Path;
 
@@ -72,10 +72,10 @@ impl LoadedVolume {
 ///
 /// # Errors
 /// [`VolumeIoError::File`], [`VolumeIoError::Invalid`].
-pub fn read_affine(path: &Path) -> Result<Affine, VolumeIoError> {
+pub fn read_affine(path: &Path, limits: &ReadLimits) -> Result<Affine, VolumeIoError> {
     let invalid = |reason: String| Fault::invalid(reason).in_file(path);
     let numbers: Vec<f64> = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npy")) {
-        let (array, first_axis_fastest) = read_npy(path)?;
+        let (array, first_axis_fastest) = read_npy(path, limits)?;
         if first_axis_fastest {
             return Err(invalid("an affine is an array in C order; save np.ascontiguousarray of it".into()));
         }
@@ -85,7 +85,7 @@ pub fn read_affine(path: &Path) -> Result<Affine, VolumeIoError> {
             _ => return Err(invalid("an affine is an array of floating-point numbers".into())),
         }
     } else {
-        let bytes = read_bytes(path)?;
+        let bytes = read_bytes_within(path, limits, 2)?;
         let text = String::from_utf8_lossy(&bytes);
         let text = text.trim_start_matches('\u{feff}');
         let words = text
@@ -117,7 +117,7 @@ mod tests {
             "# made by hand\n[[-2, 0, 0, 90],\r\n [0, 2, 0, -126],\r\n [0, 0, 3, .001]]",
         ] {
             std::fs::write(&path, text).unwrap();
-            assert_eq!(read_affine(&path).unwrap(), expected);
+            assert_eq!(read_affine(&path, &ReadLimits::default()).unwrap(), expected);
         }
         for (text, says) in [
             ("1 0 0 0 0 1 0 0 0 0 1", "11 numbers"),
@@ -126,7 +126,7 @@ mod tests {
             ("1 0 0 0 0 1 0 0 0 0 0 0", "no length"),
         ] {
             std::fs::write(&path, text).unwrap();
-            let error = read_affine(&path).unwrap_err().to_string();
+            let error = read_affine(&path, &ReadLimits::default()).unwrap_err().to_string();
             assert!(error.contains(says), "{error}");
         }
     }

@@ -18,6 +18,9 @@ pub(crate) enum SampleType {
     F64,
 }
 
+/// Bytes that are read at a time: whole numbers of every type.
+const CHUNK: u64 = 1 << 20;
+
 impl SampleType {
     pub fn bytes(self) -> usize {
         match self {
@@ -28,20 +31,34 @@ impl SampleType {
         }
     }
 
+    /// Bytes of so many numbers.
+    pub fn kept(self, count: usize) -> u64 {
+        (count as u64).saturating_mul(self.bytes() as u64)
+    }
+
     /// Reads exactly `count` numbers. Memory follows what is there, not what a header promises.
     pub fn read(self, count: usize, big_endian: bool, source: impl Read) -> Result<Samples, Fault> {
         let wanted = count
             .checked_mul(self.bytes())
             .ok_or_else(|| Fault::invalid(format!("{count} voxels are more than any memory holds")))?;
-        let mut bytes = Vec::new();
-        source.take(wanted as u64).read_to_end(&mut bytes)?;
-        if bytes.len() < wanted {
-            let held = bytes.len();
+        let mut source = source.take(wanted as u64);
+        let mut values = self.decode(Vec::new(), big_endian);
+        let mut held = 0;
+        loop {
+            let mut bytes = Vec::new();
+            source.by_ref().take(CHUNK).read_to_end(&mut bytes)?;
+            if bytes.is_empty() {
+                break;
+            }
+            held += bytes.len();
+            values.append(self.decode(bytes, big_endian));
+        }
+        if held < wanted {
             return Err(Fault::invalid(format!(
                 "the header promises {wanted} bytes of values, but there are {held}; copy or export the file again"
             )));
         }
-        Ok(self.decode(bytes, big_endian))
+        Ok(values)
     }
 
     /// The numbers that bytes stand for.

@@ -5,7 +5,9 @@ use crate::sample_type::SampleType;
 
 impl SampleType {
     /// Reads `count` numbers, parted by white space or commas.
-    pub fn read_text(self, count: usize, text: &str) -> Result<Samples, Fault> {
+    pub fn read_text(self, count: usize, text: &[u8]) -> Result<Samples, Fault> {
+        let text = std::str::from_utf8(text)
+            .map_err(|_| Fault::invalid("the values are no text; copy or export the file again"))?;
         let words = text.split(|c: char| c.is_whitespace() || c == ',').filter(|word| !word.is_empty());
         macro_rules! parse {
             ($type:ty) => {{

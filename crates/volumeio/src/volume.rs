@@ -1,4 +1,6 @@
+use crate::error::Fault;
 use crate::{Affine, Samples, VolumeIoError};
+use mser3d_fileio::ReadLimits;
 use mser3d_shape::{BitGrid, Frame, ShapeError};
 
 /// A box of voxels, each with one number or several, and where they lie.
@@ -107,7 +109,24 @@ impl Volume {
     }
 }
 
-pub(crate) fn voxel_count(dims: [usize; 3]) -> Option<usize> {
+/// How many numbers a volume has, if reading it is allowed. `bytes` are those that a number is kept in: while it is read, and
+/// brought into order, there are two of each.
+pub(crate) fn allowed_count(
+    dims: [usize; 3],
+    channels: usize,
+    bytes: usize,
+    limits: &ReadLimits,
+) -> Result<usize, Fault> {
+    limits.check_voxels(dims)?;
+    let [nx, ny, nz] = dims;
+    let declared = || format!("it declares {nx} x {ny} x {nz} voxels of {channels} x {bytes} bytes");
+    let count = voxel_count(dims).and_then(|n| n.checked_mul(channels));
+    let needed = count.map_or(u64::MAX, |count| (count as u64).saturating_mul(2 * bytes as u64));
+    limits.check_memory(needed, declared)?;
+    count.ok_or_else(|| Fault::invalid(format!("{}, which are more than any memory holds", declared())))
+}
+
+fn voxel_count(dims: [usize; 3]) -> Option<usize> {
     dims[0].checked_mul(dims[1])?.checked_mul(dims[2])
 }
 

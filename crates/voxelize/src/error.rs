@@ -1,4 +1,4 @@
-use mser3d_shape::{InvalidParameter, ShapeError};
+use mser3d_shape::{InvalidParameter, Readable, ShapeError};
 
 /// Why a mesh cannot be voxelized.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -45,8 +45,8 @@ pub enum VoxelizeError {
     },
     /// No voxel centre lies inside.
     #[error(
-        "no voxel centre lies inside the surface: at pitch {pitch} the shape is thinner than a voxel; \
-         a pitch of at most {advice} should resolve it"
+        "no voxel centre lies inside the surface: at pitch {} the shape is thinner than a voxel; \
+         a pitch of at most {:.4} should resolve it", Readable(*pitch), Readable(*advice)
     )]
     Thin {
         /// The pitch used, in the mesh's units.
@@ -68,8 +68,8 @@ pub enum VoxelizeError {
     OutsideFrame,
     /// A grid that is too large.
     #[error(
-        "a pitch of {pitch} needs a box of {voxels:.3e} voxels, more than the limit of {limit}; \
-         use a pitch of at least {advice:.4} or raise max_box_voxels"
+        "a pitch of {} needs a box of {} voxels, more than the limit of {limit}; {}raise max_box_voxels",
+        Readable(*pitch), many(*voxels), coarser(*advice)
     )]
     TooLarge {
         /// The pitch asked for, in the mesh's units.
@@ -78,13 +78,13 @@ pub enum VoxelizeError {
         voxels: f64,
         /// The limit.
         limit: u64,
-        /// The finest pitch within the limit.
+        /// The finest pitch within the limit, about; infinite where no box is as small as that.
         advice: f64,
     },
     /// Voxels smaller than the coordinates' own precision.
     #[error(
-        "a pitch of {pitch} is below the precision of coordinates as large as {reach}; \
-         move the mesh to the origin or use a coarser pitch"
+        "a pitch of {} is below the precision of coordinates as large as {}; \
+         move the mesh to the origin or use a coarser pitch", Readable(*pitch), Readable(*reach)
     )]
     Imprecise {
         /// The pitch, in the mesh's units.
@@ -98,4 +98,22 @@ pub enum VoxelizeError {
     /// The grid cannot be made.
     #[error(transparent)]
     Shape(#[from] ShapeError),
+}
+
+/// A number of voxels in words.
+fn many(voxels: f64) -> String {
+    match voxels {
+        count if count < 1e6 => format!("{count:.0}"),
+        count if count.is_finite() => format!("{count:.3e}"),
+        _ => "more than 10^308".to_owned(),
+    }
+}
+
+/// What else can be done about a box that is too large.
+fn coarser(advice: f64) -> String {
+    if advice.is_finite() {
+        format!("use a pitch of at least {:.4} or ", Readable(advice))
+    } else {
+        String::new()
+    }
 }

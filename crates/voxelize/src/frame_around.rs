@@ -34,15 +34,27 @@ pub(crate) fn around_within(
     limit: u64,
 ) -> Result<Frame, VoxelizeError> {
     let bounds = &surface.bounds;
-    let dims: [f64; 3] = std::array::from_fn(|a| match origin {
-        Some(origin) => ((bounds.max[a] - origin[a] + MARGIN * spacing[a]) / spacing[a]).ceil().max(1.0),
-        None => voxels_across(bounds.max[a] - bounds.min[a], spacing[a]) + 2.0 * MARGIN,
-    });
+    let reach = |a: usize| bounds.max[a] - origin.map_or(bounds.min[a], |origin| origin[a]);
+    let dims_at = |spacing: [f64; 3]| -> [f64; 3] {
+        std::array::from_fn(|a| match origin {
+            Some(_) => ((reach(a) + MARGIN * spacing[a]) / spacing[a]).ceil().max(1.0),
+            None => voxels_across(reach(a), spacing[a]) + 2.0 * MARGIN,
+        })
+    };
+    let dims = dims_at(spacing);
     let voxels: f64 = dims.iter().product();
     if voxels.is_nan() || voxels > limit as f64 {
-        // The box grows with the cube of the resolution, its margins do not.
+        let fits = |factor: [f64; 2]| {
+            let coarser = spacing.map(|h| h * factor[0] * factor[1]);
+            dims_at(coarser).iter().product::<f64>() <= limit as f64
+        };
+        // The box grows with the cube of the resolution, its margins do not. In logarithms, which do not overflow.
+        let logs = (0..3).map(|a| (reach(a).max(0.0).ln() - spacing[a].ln()).max(0.0)).sum::<f64>();
+        let half = ((logs - (limit as f64).ln()) / 6.0).max(0.0).exp();
+        let mut factors = (0..400).map(|step| [half, half * 1.02f64.powi(step)]);
         let pitch = spacing.into_iter().fold(f64::INFINITY, f64::min);
-        let advice = pitch * (voxels / limit as f64).cbrt();
+        let advice = factors.find(|factor| fits(*factor));
+        let advice = advice.map_or(f64::INFINITY, |factor| pitch * factor[0] * factor[1] * 1.001);
         return Err(VoxelizeError::TooLarge { pitch, voxels, limit, advice });
     }
     let origin = origin.unwrap_or_else(|| {

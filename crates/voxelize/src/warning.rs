@@ -1,5 +1,7 @@
 use std::fmt;
 
+use mser3d_shape::Readable;
+
 /// What the user of a voxelization should know.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
@@ -127,21 +129,26 @@ impl fmt::Display for Warning {
             ),
             Self::Thin { voxels, fraction, advice } => write!(
                 f,
-                "{voxels} voxels ({:.2} %) lie in parts thinner than two voxels; a pitch of {advice:.4} would \
+                "{voxels} voxels ({:.2} %) lie in parts thinner than two voxels; a pitch of {:.4} would \
                  resolve them better",
-                100.0 * fraction
+                100.0 * fraction,
+                Readable(*advice)
             ),
             Self::Volume { voxels, mesh, advice } => write!(
                 f,
                 "the voxels' volume is {voxels:.4e}, {:.1} % {} than the mesh's {mesh:.4e}: thin parts are not a \
-                 whole number of voxels thick; a pitch of {advice:.4} or turning the mesh off the axes helps",
+                 whole number of voxels thick; a pitch of {:.4} or turning the mesh off the axes helps",
                 100.0 * (voxels / mesh - 1.0).abs(),
-                if voxels > mesh { "more" } else { "less" }
+                if voxels > mesh { "more" } else { "less" },
+                Readable(*advice)
             ),
             Self::Fitted { spacing: [x, y, z] } => write!(
                 f,
-                "the voxels measure {x:.4} x {y:.4} x {z:.4} instead of being cubes, so that thin, flat parts are \
-                 a whole number of voxels thick"
+                "the voxels measure {:.4} x {:.4} x {:.4} instead of being cubes, so that thin, flat parts are \
+                 a whole number of voxels thick",
+                Readable(*x),
+                Readable(*y),
+                Readable(*z)
             ),
             Self::Clipped => f.write_str("the grid does not reach around the whole mesh"),
         }

@@ -60,7 +60,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             eprintln!("skipped: {} is not here", file.display());
             continue;
         }
-        for animation in mser3d_meshio::list_animations(&file)? {
+        for animation in mser3d_meshio::list_animations(&file, &Default::default())? {
             let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
             let name = match &animation.name {
                 Some(name) => format!("{stem}, {name}"),

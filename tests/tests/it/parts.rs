@@ -125,7 +125,7 @@ fn there_are_never_more_parts_than_asked_for() {
 #[test]
 fn the_legs_of_a_running_fox_are_twins_by_their_sides() {
     let Some(folder) = mser3d_tests::real_shapes() else { return };
-    let moment = ReadOptions { animation: Some("Run".into()), time: 0.35 };
+    let moment = ReadOptions { animation: Some("Run".into()), time: 0.35, ..Default::default() };
     let mesh = read_mesh(&folder.join("gltf/Fox.glb"), &moment).unwrap().mesh;
     let features = features(Input::Volume(&mesh), &coarse(45_000, 100));
     let found = partition(&features, Some(&mesh), &PartParameters::default()).unwrap();

@@ -16,8 +16,9 @@ mod tracker;
 
 use std::path::Path;
 
-use mser3d_results::{Record, Results, TrackParameters, TracksRecord};
+use mser3d_results::{Checksums, Record, Results, TrackParameters, TracksRecord};
 
+use crate::folder::remove_file;
 use crate::{CollectionError, Plan};
 pub use glb::track_glb;
 pub use page::track_page;
@@ -27,6 +28,10 @@ use tracker::Tracker;
 
 /// The name of the page of a sequence.
 const PAGE: &str = "tracks.html";
+
+/// What is made of the frames of a sequence.
+pub(crate) const TRACK_FILES: [&str; 7] =
+    [TracksRecord::FILE, tables::CSV, tables::PARQUET, PAGE, pictures::STRIP, pictures::MOVING, glb::GLB];
 
 /// Follows the regions of a sequence whose results a batch has put into a folder, and gives each an identity:
 ///
@@ -70,23 +75,14 @@ pub fn track_results(
     }
     tables::write(folder, &record)?;
     record.write(folder)?;
+    Checksums::add(folder, &[TracksRecord::FILE, tables::CSV, tables::PARQUET])?;
     Ok(record)
 }
 
 /// Takes away what was made of other results, the record first.
 fn remove_tracks(folder: &Path) -> Result<(), CollectionError> {
-    for name in
-        [TracksRecord::FILE, tables::CSV, tables::PARQUET, PAGE, pictures::STRIP, pictures::MOVING, glb::GLB]
-    {
-        let path = folder.join(name);
-        match std::fs::remove_file(&path) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                return Err(CollectionError::io(&path)(error));
-            }
-            _ => {}
-        }
-    }
-    Ok(())
+    Checksums::forget(folder, &TRACK_FILES)?;
+    TRACK_FILES.iter().try_for_each(|name| remove_file(&folder.join(name)))
 }
 
 /// Writes tracks and colours into a frame's result.

@@ -43,7 +43,7 @@ pub fn plan_sequence(
 ) -> Result<Plan, CollectionError> {
     let mut paths = Vec::new();
     for input in inputs {
-        let mut found = expand(input, false)?;
+        let mut found = expand(input, false, volumes.limits())?;
         if input.extension().is_none_or(|ending| ending != "txt") {
             found.sort_by(|a, b| by_numbers(&a.to_string_lossy(), &b.to_string_lossy()));
         }
@@ -52,11 +52,11 @@ pub fn plan_sequence(
     let mut plan = Plan::default();
     for (path, name) in paths.iter().zip(names(&paths)) {
         let is_mesh = MeshFormat::from_extension(path).is_some();
-        let options = if is_mesh { ShapeOptions::default() } else { volumes.clone() };
+        let options = if is_mesh { volumes.limits_alone() } else { volumes.clone() };
         plan.jobs.push(Job { name, path: path.clone(), options, parameters: None });
     }
     if let (Some(only), 1) = (plan.jobs.first().cloned(), plan.jobs.len()) {
-        let animation_info = find_animation(&only.path, animation)?;
+        let animation_info = find_animation(&only.path, animation, volumes.limits())?;
         let times = match sampling {
             Sampling::Every(seconds) => {
                 InvalidParameter::unless(seconds > 0.0, "every", seconds, "a number of seconds above 0")?;

@@ -1,6 +1,7 @@
 //! Typed arrays within buffers. Every number of the file is checked before it is used.
 
 use super::exact::Node;
+use crate::budget::Budget;
 use crate::error::Fault;
 use gltf::json;
 use json::accessor::{ComponentType, Type};
@@ -13,6 +14,8 @@ pub(super) struct Asset<'a> {
     pub buffers: Vec<Cow<'a, [u8]>>,
     /// The nodes, with the digits that `root` has lost.
     pub nodes: Vec<Node>,
+    /// What is left of the memory that reading may take.
+    pub budget: &'a Budget<'a>,
 }
 
 /// Numbers in rows of equal width.
@@ -56,6 +59,12 @@ impl Asset<'_> {
         let (component, width) = (component.0, expected.multiplicity());
         let count = usize::try_from(accessor.count.0).map_err(|_| fault("its count is absurd".into()))?;
         let held: usize = self.buffers.iter().map(|b| b.len()).sum();
+        // More than there are bytes is refused as such.
+        if count <= held {
+            let bytes = 8 * (count * width) as u64;
+            let what = || format!("accessor {number} declares {count} rows of {width}");
+            self.budget.limits.check_memory(bytes, what)?;
+        }
         let mut values = match accessor.buffer_view {
             Some(view) => {
                 let offset = accessor.byte_offset.unwrap_or_default().0;

@@ -1,17 +1,22 @@
 //! The bytes that a glTF file refers to: its binary chunk, data URIs, files beside it.
 
+use crate::budget::Budget;
 use crate::error::Fault;
 use crate::{MeshFormat, MeshIoError};
 use base64::Engine;
 use gltf::json;
 use std::borrow::Cow;
+use std::io::Read;
 use std::path::Path;
 
 /// What a glTF or GLB file is made of: its JSON as text and parsed, and its binary chunk.
 pub(super) type Pieces<'a> = (Cow<'a, [u8]>, json::Root, Option<Cow<'a, [u8]>>);
 
+/// Bytes of memory for an object of the JSON, however short its text is.
+const OBJECT: u64 = 600;
+
 /// Takes a glTF or GLB file apart.
-pub(super) fn split(format: MeshFormat, bytes: &[u8]) -> Result<Pieces<'_>, Fault> {
+pub(super) fn split<'a>(format: MeshFormat, bytes: &'a [u8], budget: &Budget) -> Result<Pieces<'a>, Fault> {
     let (text, chunk) = if format == MeshFormat::Glb {
         if !bytes.starts_with(b"glTF") {
             return Err(Fault::new("a GLB file begins with glTF; this one doesn't"));
@@ -26,6 +31,8 @@ pub(super) fn split(format: MeshFormat, bytes: &[u8]) -> Result<Pieces<'_>, Faul
     } else {
         (Cow::Borrowed(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)), None)
     };
+    let objects = text.iter().filter(|&&byte| byte == b'{').count() as u64;
+    budget.take(OBJECT.saturating_mul(objects), || format!("its JSON has {objects} objects"))?;
     let root = json::Root::from_slice(&text).map_err(|e| {
         let line = (e.line() > 0 && chunk.is_none()).then(|| e.line());
         let message = format!("not the JSON of glTF 2.0: {e}");
@@ -46,6 +53,7 @@ pub(super) fn load<'a>(
     root: &json::Root,
     mut chunk: Option<Cow<'a, [u8]>>,
     path: &Path,
+    budget: &Budget,
 ) -> Result<Vec<Cow<'a, [u8]>>, MeshIoError> {
     let mut buffers = Vec::new();
     for (number, buffer) in root.buffers.iter().enumerate() {
@@ -54,12 +62,29 @@ pub(super) fn load<'a>(
             None => chunk.take().ok_or_else(|| {
                 fault("it has no address and the file no binary chunk; export again as .glb".into())
             })?,
-            Some(uri) if uri.starts_with("data:") => Cow::Owned(decode(uri).map_err(fault)?),
+            Some(uri) if uri.starts_with("data:") => {
+                let bytes = uri.len() as u64;
+                let what = || format!("buffer {number} has {bytes} characters");
+                budget.take(bytes, what).map_err(|fault| fault.in_file(path))?;
+                Cow::Owned(decode(uri).map_err(fault)?)
+            }
             Some(uri) if uri.contains("://") => {
                 let reason = format!("buffer {number} is at {uri}; only files beside this one are read");
                 return Err(Fault::unsupported(None, reason).in_file(path));
             }
-            Some(uri) => Cow::Owned(read_beside(path, uri).map_err(fault)?),
+            Some(uri) => {
+                let named = budget.limits.named_file(path, &percent_decode(uri)).map_err(|reason| {
+                    fault(format!("{reason}; or export as .glb, which holds its buffers"))
+                })?;
+                let bytes = std::fs::metadata(&named).map_or(0, |found| found.len());
+                let what = || format!("buffer {number} is a file of {bytes} bytes");
+                budget.take(bytes, what).map_err(|fault| fault.in_file(path))?;
+                let mut data = Vec::new();
+                let read =
+                    std::fs::File::open(&named).and_then(|file| file.take(bytes).read_to_end(&mut data));
+                read.map_err(|error| fault(format!("{}: {error}", named.display())))?;
+                Cow::Owned(data)
+            }
         };
         if buffer.byte_length.0 > data.len() as u64 {
             return Err(fault(format!(
@@ -81,17 +106,6 @@ fn decode(uri: &str) -> Result<Vec<u8>, String> {
             .with_decode_padding_mode(base64::engine::DecodePaddingMode::Indifferent),
     );
     engine.decode(data).map_err(|e| format!("its data URI is broken: {e}"))
-}
-
-fn read_beside(path: &Path, uri: &str) -> Result<Vec<u8>, String> {
-    let beside = path.with_file_name("").join(percent_decode(uri));
-    let shown = beside.display();
-    let copy = "copy it beside the .gltf file, or export as .glb";
-    match std::fs::metadata(&beside) {
-        Ok(data) if data.is_file() => std::fs::read(&beside).map_err(|e| format!("{shown}: {e}")),
-        Ok(_) => Err(format!("{shown} is no file; {copy}")),
-        Err(e) => Err(format!("{shown}: {e}; {copy}")),
-    }
 }
 
 /// `my%20model.bin` is `my model.bin`.

@@ -12,13 +12,14 @@ mod scene;
 mod skin;
 mod transform;
 
+use crate::budget::Budget;
 use crate::error::Fault;
 use crate::read::{Parsed, ReadOptions, note};
 use crate::weld::{Weld, collapse};
 use crate::{MeshFormat, MeshIoError, gzip};
 use accessor::{Asset, get};
 pub use animation::AnimationInfo;
-use mser3d_fileio::read_bytes;
+use mser3d_fileio::{ReadLimits, read_bytes_within};
 use scene::Scene;
 use std::path::Path;
 
@@ -26,12 +27,15 @@ use std::path::Path;
 ///
 /// # Errors
 /// Those of [`read_mesh`](crate::read_mesh) that concern the file as a whole and its animations.
-pub fn list_animations(path: &Path) -> Result<Vec<AnimationInfo>, MeshIoError> {
-    let bytes = read_bytes(path)?;
-    match MeshFormat::of(path, &bytes)? {
+pub fn list_animations(path: &Path, limits: &ReadLimits) -> Result<Vec<AnimationInfo>, MeshIoError> {
+    let bytes = read_bytes_within(path, limits, 1)?;
+    // Of standard input only the contents tell.
+    let format = MeshFormat::of(path, &bytes);
+    match format.or_else(|error| MeshFormat::from_contents(&bytes).ok_or(error))? {
         format @ (MeshFormat::Gltf | MeshFormat::Glb) => {
-            let bytes = gzip::unpack(&bytes).map_err(|fault| fault.in_file(path))?;
-            animation::list(&open(format, &bytes, path)?).map_err(|fault| broken(fault, path))
+            let budget = Budget::new(limits);
+            let bytes = gzip::unpack(&bytes, &budget).map_err(|fault| fault.in_file(path))?;
+            animation::list(&open(format, &bytes, path, &budget)?).map_err(|fault| broken(fault, path))
         }
         _ => Ok(Vec::new()),
     }
@@ -42,8 +46,9 @@ pub(crate) fn parse(
     bytes: &[u8],
     path: &Path,
     options: &ReadOptions,
+    budget: &Budget,
 ) -> Result<Parsed, MeshIoError> {
-    let asset = open(format, bytes, path)?;
+    let asset = open(format, bytes, path, budget)?;
     let animation = match &options.animation {
         None => None,
         Some(wanted) => Some(choose(&asset, wanted, options.time, path)?),
@@ -56,12 +61,17 @@ fn broken(fault: Fault, path: &Path) -> MeshIoError {
     fault.advise("check the file with a glTF validator, or export it again").in_file(path)
 }
 
-fn open<'a>(format: MeshFormat, bytes: &'a [u8], path: &Path) -> Result<Asset<'a>, MeshIoError> {
-    let (text, root, chunk) = buffers::split(format, bytes).map_err(|fault| broken(fault, path))?;
+fn open<'a>(
+    format: MeshFormat,
+    bytes: &'a [u8],
+    path: &Path,
+    budget: &'a Budget,
+) -> Result<Asset<'a>, MeshIoError> {
+    let (text, root, chunk) = buffers::split(format, bytes, budget).map_err(|fault| broken(fault, path))?;
     extensions::check(&root).map_err(|fault| fault.in_file(path))?;
     let exact = exact::nodes(&text).map_err(|fault| broken(fault, path))?;
-    let buffers = buffers::load(&root, chunk, path)?;
-    Ok(Asset { root, buffers, nodes: exact })
+    let buffers = buffers::load(&root, chunk, path, budget)?;
+    Ok(Asset { root, buffers, nodes: exact, budget })
 }
 
 /// How far beyond its end, in seconds, an animation may be asked for: ends are shown to a hundredth.
@@ -103,6 +113,10 @@ fn assemble(asset: &Asset, animation: Option<usize>, time: f64) -> Result<Parsed
                 others += 1;
                 continue;
             };
+            let shown = instances.as_ref().map_or(1, Vec::len) as u64;
+            asset.budget.take(shape.memory().saturating_mul(shown), || {
+                format!("node {node} shows a mesh of {} vertices {shown} times", shape.vertices())
+            })?;
             for instance in 0..instances.as_ref().map_or(1, Vec::len) {
                 let part =
                     scene.part(node, &shape, instances.as_ref().map(|all| (instance, &all[instance])))?;

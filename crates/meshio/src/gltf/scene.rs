@@ -46,6 +46,19 @@ pub(super) struct Shape {
     influences: Vec<Influences>,
 }
 
+impl Shape {
+    pub(super) fn vertices(&self) -> usize {
+        self.still.len()
+    }
+
+    /// Bytes that the mesh grows by where it is shown: positions, keys and their table, and triangles, some of them twice.
+    pub(super) fn memory(&self) -> u64 {
+        const VERTEX: u64 = 180;
+        const TRIANGLE: u64 = 40;
+        VERTEX * self.still.len() as u64 + TRIANGLE * self.triangles.len() as u64
+    }
+}
+
 /// A primitive at a node or an instance of it.
 pub(super) struct Part {
     /// Positions in the world.

@@ -22,14 +22,18 @@ enum Version {
 
 pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
     let (version, mut source) = header(bytes)?;
-    let mut nodes = Nodes::default();
+    let (mut nodes, none) = (None, Nodes::default());
     let mut cells = Cells::default();
     let mut has_elements = false;
     while let Some(section) = source.next_section()? {
         match section {
-            b"Nodes" => nodes = Nodes::read(&mut source, version)?,
+            // Elements that were read name those of the first.
+            b"Nodes" if nodes.is_some() => {
+                return Err(source.fault("$Nodes come a second time; a file holds one mesh"));
+            }
+            b"Nodes" => nodes = Some(Nodes::read(&mut source, version)?),
             b"Elements" => {
-                elements::read(&mut source, version, &nodes, &mut cells)?;
+                elements::read(&mut source, version, nodes.as_ref().unwrap_or(&none), &mut cells)?;
                 has_elements = true;
             }
             _ => {}
@@ -41,7 +45,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
             source.fault("there is no section $Elements; the file is truncated; copy or export it again")
         );
     }
-    cells.into_mesh(nodes.positions)
+    cells.into_mesh(nodes.unwrap_or_default().positions)
 }
 
 /// `$MeshFormat`, `version binary bytes`, and in binary files a 1 that shows the byte order.
@@ -117,6 +121,16 @@ mod tests {
              $Elements\n1\n3 4 0 7 1 9 4\n$EndElements\n"
         );
         assert_eq!(parse(text.as_bytes()).unwrap().triangles.len(), 4);
+    }
+
+    #[test]
+    fn nodes_that_come_a_second_time_are_refused() {
+        let text = format!(
+            "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n{NODES}$Elements\n1\n3 4 0 7 1 9 4\n$EndElements\n\
+             $Nodes\n1\n7 0 0 0\n$EndNodes\n"
+        );
+        let message = parse(text.as_bytes()).map(|_| ()).unwrap_err().in_file("a.msh".as_ref()).to_string();
+        assert!(message.contains("$Nodes come a second time"), "{message}");
     }
 
     #[test]

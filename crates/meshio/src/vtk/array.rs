@@ -2,22 +2,25 @@
 
 use super::base64::Stream;
 use super::tags::{Tag, find};
+use crate::budget::Budget;
 use crate::error::Fault;
 use crate::text::{Tokens, parse, show};
 use flate2::read::ZlibDecoder;
 use std::io::Read;
 
 /// What the root of a file says of all its arrays.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Encoding {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Encoding<'a> {
     pub big_endian: bool,
     /// Bytes of a number before an array: 4 or 8.
     pub header: usize,
     pub packed: bool,
+    /// What all arrays together may take.
+    pub budget: &'a Budget<'a>,
 }
 
-impl Encoding {
-    pub(super) fn new(root: &Tag) -> Result<Self, Fault> {
+impl<'a> Encoding<'a> {
+    pub(super) fn new(root: &Tag, budget: &'a Budget) -> Result<Self, Fault> {
         let header = match root.attribute("header_type") {
             Some("UInt64") => 8,
             None | Some("UInt32") => 4,
@@ -39,7 +42,15 @@ impl Encoding {
                 return Err(Fault::unsupported(None, reason));
             }
         };
-        Ok(Self { big_endian: root.attribute("byte_order") == Some("BigEndian"), header, packed })
+        Ok(Self { big_endian: root.attribute("byte_order") == Some("BigEndian"), header, packed, budget })
+    }
+}
+
+impl Encoding<'_> {
+    /// Takes memory for the bytes of an array, for its numbers of eight bytes each, and for what they become in the mesh.
+    fn take(&self, bytes: u64, number: Number) -> Result<(), Fault> {
+        let each = 1 + 16 / number.size() as u64;
+        self.budget.take(bytes.saturating_mul(each), || format!("an array has {bytes} bytes"))
     }
 }
 
@@ -232,6 +243,7 @@ fn unpack(mut stream: Stream, encoding: Encoding, number: Number) -> Result<Vec<
     };
     if !encoding.packed {
         let length = counts(&mut stream, 1)?[0];
+        encoding.take(length.min(stream.left()), number)?;
         return stream.take(length - length % number.size() as u64);
     }
     let blocks = counts(&mut stream, 1)?[0];
@@ -240,6 +252,7 @@ fn unpack(mut stream: Stream, encoding: Encoding, number: Number) -> Result<Vec<
     }
     let sizes = counts(&mut stream, 2)?;
     let packed = counts(&mut stream, blocks)?;
+    encoding.take(sizes[0].saturating_mul(blocks - 1).saturating_add(sizes[0].max(sizes[1])), number)?;
     let mut out = Vec::new();
     for (block, &length) in packed.iter().enumerate() {
         let last = block + 1 == packed.len() && sizes[1] > 0;

@@ -49,6 +49,11 @@ impl File<'_> {
             match word.to_ascii_uppercase().as_slice() {
                 b"DATASET" => self.data_set()?,
                 b"POINTS" => {
+                    if !self.vertices.is_empty() {
+                        return Err(self
+                            .tokens
+                            .fault("POINTS come a second time; a file holds one data set"));
+                    }
                     let count = self.tokens.whole::<u64>("the number of points")?;
                     let values = self.floats(count.saturating_mul(3))?;
                     self.vertices = values.as_chunks().0.to_vec();

@@ -3,6 +3,7 @@
 use super::array::{Appended, Array, Encoding, appended};
 use super::tags::Tags;
 use super::{Sink, names_parts, span};
+use crate::budget::Budget;
 use crate::cells::Cells;
 use crate::error::Fault;
 use crate::read::Parsed;
@@ -43,9 +44,9 @@ impl<'a> Piece<'a> {
     }
 }
 
-pub(crate) fn parse(bytes: &[u8], expected: DataSet) -> Result<Parsed, Fault> {
+pub(crate) fn parse(bytes: &[u8], expected: DataSet, budget: &Budget) -> Result<Parsed, Fault> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let (encoding, pieces, appended) = outline(bytes, expected)?;
+    let (encoding, pieces, appended) = outline(bytes, expected, budget)?;
     let mut vertices = Vec::new();
     let mut cells = Cells::default();
     for piece in &pieces {
@@ -68,7 +69,11 @@ pub(crate) fn parse(bytes: &[u8], expected: DataSet) -> Result<Parsed, Fault> {
 }
 
 /// What the file declares, without the arrays' values.
-fn outline(bytes: &[u8], expected: DataSet) -> Result<(Encoding, Vec<Piece<'_>>, Appended<'_>), Fault> {
+fn outline<'a>(
+    bytes: &'a [u8],
+    expected: DataSet,
+    budget: &'a Budget,
+) -> Result<(Encoding<'a>, Vec<Piece<'a>>, Appended<'a>), Fault> {
     let mut tags = Tags::new(bytes);
     let mut root = None;
     let mut pieces: Vec<Piece> = Vec::new();
@@ -87,7 +92,7 @@ fn outline(bytes: &[u8], expected: DataSet) -> Result<(Encoding, Vec<Piece<'_>>,
                     );
                     return Err(tags.fault(reason));
                 }
-                root = Some(Encoding::new(&tag)?);
+                root = Some(Encoding::new(&tag, budget)?);
             }
             "VTKFile" => ended = true,
             "Piece" if tag.opens => {

@@ -5,7 +5,7 @@ use mser3d_meshio::{LoadedMesh, MeshFormat, ReadOptions, read_mesh_from};
 use std::path::Path;
 
 fn read(bytes: &[u8], animation: Option<&str>, time: f64) -> LoadedMesh {
-    let options = ReadOptions { animation: animation.map(str::to_owned), time };
+    let options = ReadOptions { animation: animation.map(str::to_owned), time, ..Default::default() };
     read_mesh_from(MeshFormat::Gltf, bytes, Path::new("made.gltf"), &options).unwrap()
 }
 
@@ -116,7 +116,7 @@ fn morph_targets_move_vertices_before_the_skin() {
 #[test]
 fn the_binary_file_is_the_same_mesh() {
     let (g, members) = bar();
-    let options = ReadOptions { animation: Some("linear".into()), time: 0.7 };
+    let options = ReadOptions { animation: Some("linear".into()), time: 0.7, ..Default::default() };
     let binary = read_mesh_from(MeshFormat::Glb, &g.glb(&members), Path::new("made.glb"), &options).unwrap();
     assert_eq!(binary.mesh, read(&g.gltf(&members), Some("linear"), 0.7).mesh);
 }
@@ -143,7 +143,7 @@ fn a_time_or_an_animation_that_cannot_be_is_an_error() {
     let (g, members) = bar();
     let bytes = g.gltf(&members);
     let message = |format, bytes: &[u8], animation: Option<&str>, time| {
-        let options = ReadOptions { animation: animation.map(str::to_owned), time };
+        let options = ReadOptions { animation: animation.map(str::to_owned), time, ..Default::default() };
         read_mesh_from(format, bytes, Path::new("a"), &options).unwrap_err().to_string()
     };
     for time in [-1.0, f64::NAN, f64::INFINITY] {

@@ -1,11 +1,13 @@
 //! The crate as its users see it.
 
 mod common;
+mod good_files;
 
 mod bad_files;
 mod cases;
 mod cells;
 mod gltf;
+mod limits;
 mod mutations;
 mod real_files;
 mod round_trips;

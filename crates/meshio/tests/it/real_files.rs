@@ -39,14 +39,14 @@ fn skinned_figures_are_closed_and_move() {
         );
         assert!(is_closed(&rest.mesh), "{name}");
         assert!(rest.mesh.signed_volume() > 0.0, "{name}");
-        let animations = list_animations(&path).unwrap();
+        let animations = list_animations(&path, &Default::default()).unwrap();
         assert!(!animations.is_empty());
         for animation in &animations {
             assert!(animation.end > animation.start);
             let times = [0.0, 0.37 * animation.end];
             let poses = times.map(|time| {
                 let animation = Some(animation.index.to_string());
-                read_mesh(&path, &ReadOptions { animation, time }).unwrap()
+                read_mesh(&path, &ReadOptions { animation, time, ..Default::default() }).unwrap()
             });
             for pose in &poses {
                 assert_eq!(pose.mesh.triangles(), rest.mesh.triangles(), "{name}: frames correspond");
@@ -63,13 +63,14 @@ fn skinned_figures_are_closed_and_move() {
 #[test]
 fn an_unknown_animation_lists_those_there_are() {
     let Some(path) = data("gltf/Fox.glb") else { return };
-    let names: Vec<_> = list_animations(&path).unwrap().into_iter().map(|a| a.name.unwrap()).collect();
+    let names: Vec<_> =
+        list_animations(&path, &Default::default()).unwrap().into_iter().map(|a| a.name.unwrap()).collect();
     assert_eq!(names, ["Survey", "Walk", "Run"]);
-    let options = ReadOptions { animation: Some("Fly".into()), time: 0.0 };
+    let options = ReadOptions { animation: Some("Fly".into()), time: 0.0, ..Default::default() };
     let message = read_mesh(&path, &options).unwrap_err().to_string();
     assert!(message.contains("\"Fly\"") && message.contains("1 \"Walk\" (0.71 s)"), "{message}");
-    let by_name = ReadOptions { animation: Some("Run".into()), time: 0.3 };
-    let by_number = ReadOptions { animation: Some("2".into()), time: 0.3 };
+    let by_name = ReadOptions { animation: Some("Run".into()), time: 0.3, ..Default::default() };
+    let by_number = ReadOptions { animation: Some("2".into()), time: 0.3, ..Default::default() };
     assert_eq!(read_mesh(&path, &by_name).unwrap(), read_mesh(&path, &by_number).unwrap());
 }
 

@@ -146,7 +146,7 @@ fn packed_files_are_read_as_what_is_in_them() {
             pack(name, &packed);
             assert_eq!(read_mesh(&path(&packed), &ReadOptions::default()).unwrap(), plain, "{packed}");
         }
-        assert!(list_animations(&path(&format!("{name}.gz"))).unwrap().is_empty());
+        assert!(list_animations(&path(&format!("{name}.gz")), &Default::default()).unwrap().is_empty());
         std::fs::copy(path(name), path(&format!("{name}.gz"))).unwrap();
         assert_eq!(read_mesh(&path(&format!("{name}.gz")), &ReadOptions::default()).unwrap(), plain);
     }
@@ -232,10 +232,10 @@ fn a_moving_glb_is_read_at_its_moments_and_between_them() {
     let moments = [moment(0.5, 0.0), moment(0.75, 1.0), moment(2.0, -2.0)];
     let colors = [[255, 0, 0], [0, 255, 0], [0, 0, 255], [9, 9, 9]];
     write_moving_glb(&path("a.glb"), &mesh, &moments, &colors).unwrap();
-    let animations = list_animations(&path("a.glb")).unwrap();
+    let animations = list_animations(&path("a.glb"), &Default::default()).unwrap();
     assert_eq!((animations.len(), animations[0].start, animations[0].end), (1, 0.0, 1.5));
     let at = |time: f64| {
-        let options = ReadOptions { animation: Some("sequence".into()), time };
+        let options = ReadOptions { animation: Some("sequence".into()), time, ..Default::default() };
         read_mesh(&path("a.glb"), &options).unwrap().mesh
     };
     for (time, expected) in [(0.0, &moments[0]), (0.25, &moments[1]), (1.5, &moments[2])] {

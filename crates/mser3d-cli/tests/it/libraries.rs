@@ -131,7 +131,7 @@ fn of_two_bodies_in_a_mask_the_larger_is_searched() {
 #[test]
 fn an_animation_at_a_time_is_that_pose() {
     let path = fixtures().join("human.glb");
-    let pose = ReadOptions { animation: Some("poses".to_owned()), time: 1.0 };
+    let pose = ReadOptions { animation: Some("poses".to_owned()), time: 1.0, ..Default::default() };
     let file = ShapeFile::read(&path, &ShapeOptions { pose, ..Default::default() }).unwrap();
     let features = Detector::new(parameters()).detect(file.input(Domain::Volume).unwrap()).unwrap();
     let folder = tempfile::tempdir().unwrap();

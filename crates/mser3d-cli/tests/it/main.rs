@@ -4,9 +4,14 @@ mod cases;
 mod collections;
 mod common;
 #[cfg(unix)]
+mod corners;
+#[cfg(unix)]
 mod docs;
 mod failures;
+#[cfg(unix)]
+mod kills;
 mod libraries;
+mod limits;
 mod maps;
 mod msv;
 mod names;
@@ -21,3 +26,5 @@ mod track;
 mod volumes;
 mod voxelize;
 mod weights;
+#[cfg(unix)]
+mod whole;

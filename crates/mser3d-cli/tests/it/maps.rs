@@ -29,7 +29,7 @@ fn map(first: &Path, second: &Path, out: &Path, options: &str) -> Vec<i32> {
     arguments.extend(options.split_whitespace().map(Path::new));
     let output = mser3d(arguments);
     assert!(output.status.success(), "{}", text(&output.stderr));
-    let (array, _) = read_npy(&out.join("map.npy")).unwrap();
+    let (array, _) = read_npy(&out.join("map.npy"), &Default::default()).unwrap();
     let NpyValues::I32(map) = array.values() else { panic!("{array:?}") };
     map.to_vec()
 }

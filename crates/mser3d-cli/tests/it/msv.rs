@@ -49,7 +49,7 @@ fn a_dark_ball_and_a_bright_box_are_found_where_they_lie() {
     let semi_axis = |n: f64, h: f64| h * (5.0 * (n * n - 1.0) / 12.0).sqrt();
     close(numbers(&region(1)["semi_axes"]), [semi_axis(7.0, 0.5), semi_axis(3.0, 1.0), semi_axis(3.0, 1.0)]);
 
-    let labels = read_volume(&out.join("labels.npy")).unwrap().volume;
+    let labels = read_volume(&out.join("labels.npy"), &Default::default()).unwrap().volume;
     assert_eq!((labels.dims(), labels.channels()), (dims, 2));
     let Samples::I32(labels) = labels.samples() else { panic!("{:?}", labels.samples().type_name()) };
     for (voxel, label) in labels.chunks(2).enumerate() {

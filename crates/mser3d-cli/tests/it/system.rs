@@ -70,7 +70,11 @@ fn an_interrupted_run_leaves_nothing() {
     }
     let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     assert!(kill.success());
-    assert_fails(&child.wait_with_output().unwrap(), 130, &["interrupted", "nothing was written"]);
+    assert_fails(
+        &child.wait_with_output().unwrap(),
+        130,
+        &["interrupted", "nothing is left half written", "again"],
+    );
     assert_eq!(fs::read_dir(&folder).unwrap().count(), 0);
 }
 

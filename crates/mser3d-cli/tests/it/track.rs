@@ -131,7 +131,8 @@ fn a_sequence_is_shown_as_page_pictures_and_animated_mesh() {
     let control = moving.windows(4).position(|chunk| chunk == b"acTL").unwrap();
     assert_eq!(moving[control + 4..control + 8], [0, 0, 0, 3]);
     assert!(fs::read(out.join("strip.png")).unwrap().starts_with(b"\x89PNG"));
-    let options = mser3d_meshio::ReadOptions { animation: Some("sequence".into()), time: 0.125 };
+    let options =
+        mser3d_meshio::ReadOptions { animation: Some("sequence".into()), time: 0.125, ..Default::default() };
     let second = mser3d_meshio::read_mesh(&out.join("tracks.glb"), &options).unwrap().mesh;
     let highest = second.vertices().iter().map(|p| p[2]).fold(0.0, f64::max);
     assert!((highest - 9.5).abs() < 1e-6, "{highest}");

@@ -93,7 +93,7 @@ fn oblique_figures_lie_where_their_affine_says_in_every_output() {
         write_nifti(&file, &volume).unwrap();
         let report = regions(&file, &out, &format!("{FEW} --write nifti,landmarks"));
         // As the header has it, in single precision.
-        let affine = *read_volume(&file).unwrap().volume.affine();
+        let affine = *read_volume(&file, &Default::default()).unwrap().volume.affine();
         for (a, b) in found(&report).iter().zip(&straight) {
             assert!((a.0 / b.0 - 1.0).abs() < 1e-5);
             // The straight figure's places are millimetres along the axes: turned, they are these.
@@ -104,7 +104,7 @@ fn oblique_figures_lie_where_their_affine_says_in_every_output() {
         let arrays = mser3d_fileio::read_npz(&out.join("features.npz")).unwrap();
         let mser3d_fileio::NpyValues::F64(grid) = arrays["grid_affine"].values() else { panic!() };
         assert_eq!(grid[..], *affine.matrix().as_flattened());
-        let map = read_volume(&out.join("regions.nii.gz")).unwrap().volume;
+        let map = read_volume(&out.join("regions.nii.gz"), &Default::default()).unwrap().volume;
         assert_eq!((map.affine(), map.dims()), (&affine, DIMS));
         let vti = fs::read(out.join("volume.vti")).unwrap();
         let head = String::from_utf8_lossy(&vti[..800]).into_owned();
@@ -229,10 +229,10 @@ fn each_label_of_a_label_map_is_a_shape() {
     assert_eq!(regions.lines().count(), 1 + a + b);
     assert_eq!((first["input"]["volume"]["body"]["label"].as_i64(), a), (Some(3), b));
     // One map of all regions; each voxel has the number that regions.csv says.
-    let written = read_volume(&path("out/regions.nii.gz")).unwrap().volume;
+    let written = read_volume(&path("out/regions.nii.gz"), &Default::default()).unwrap().volume;
     assert_eq!((written.affine(), written.dims()), (&affine, dims));
     let Samples::U8(map) = written.samples() else { panic!("{}", written.samples().type_name()) };
-    let own = read_volume(&path("out/seg-007-spleen/regions.nii.gz")).unwrap().volume;
+    let own = read_volume(&path("out/seg-007-spleen/regions.nii.gz"), &Default::default()).unwrap().volume;
     for (i, number) in map.iter().enumerate() {
         let label = if *number == 0 {
             values[i]

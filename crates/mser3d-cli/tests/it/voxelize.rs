@@ -23,7 +23,7 @@ fn a_mask_lies_where_the_mesh_does_and_is_its_solid() {
     let output = voxelize(&mesh, &mask, "--voxels 12000 --json");
     assert!(output.status.success() && !text(&output.stderr).contains("error"), "{}", text(&output.stderr));
     let said: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    let volume = read_volume(&mask).unwrap().volume;
+    let volume = read_volume(&mask, &Default::default()).unwrap().volume;
     assert_eq!(said["voxels"], inside(&volume));
     assert_eq!(
         (&said["inside"], &said["topology"]["components"], &said["confidence"]),
@@ -58,7 +58,7 @@ fn spacing_and_origin_are_those_given() {
     let mask = folder.path().join("mask.nii");
     let output = voxelize(&mesh, &mask, "--spacing 0.5,1,2 --origin -1,-4,-2");
     assert!(output.status.success() && output.stderr.is_empty(), "{}", text(&output.stderr));
-    let volume = read_volume(&mask).unwrap().volume;
+    let volume = read_volume(&mask, &Default::default()).unwrap().volume;
     let frame = volume.frame().unwrap();
     assert_eq!(
         (frame.origin(), frame.spacing(), frame.dims()),
@@ -72,7 +72,7 @@ fn spacing_and_origin_are_those_given() {
         "{}",
         text(&output.stdout)
     );
-    assert_eq!(inside(&read_volume(&array).unwrap().volume), 128);
+    assert_eq!(inside(&read_volume(&array, &Default::default()).unwrap().volume), 128);
 }
 
 #[test]

@@ -50,6 +50,9 @@ impl ReliabilityParameters {
             amplitude,
             "above 0, at most 0.1",
         )?;
+        let copies = self.deformations.unwrap_or(0);
+        let most = format!("at most {MOST_COPIES}");
+        InvalidParameter::unless(copies <= MOST_COPIES, "reliability.deformations", copies, most)?;
         let least = self.min_reliability.unwrap_or(0.0);
         unless((0.0..=1.0).contains(&least), "min_reliability", least, "between 0 and 1")?;
         let asked = self.min_reliability.is_none() || self.deformations != Some(0);
@@ -57,6 +60,9 @@ impl ReliabilityParameters {
         Ok(())
     }
 }
+
+/// The most copies that can be asked for: each is searched like the shape.
+const MOST_COPIES: usize = 10_000;
 
 /// The most copies that are searched unless a number is asked for, and the fewest that say anything.
 const COPIES: [usize; 2] = [6, 3];

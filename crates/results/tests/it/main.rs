@@ -1,5 +1,6 @@
 //! Folders give back what was written, and the example runs.
 
+mod damage;
 #[path = "../../examples/mesh_to_page.rs"]
 #[allow(dead_code)]
 mod example;

@@ -1,6 +1,8 @@
 //! Spectra as facts of the field, and how the crate is used.
 
+mod choice;
 mod counts;
+mod figures;
 mod odd;
 mod semidefinite;
 mod spectra;

@@ -1,16 +1,17 @@
 //! The values: after the header, in another file or in many.
 use super::header::Header;
 use crate::Samples;
-use crate::bytes::{all_numbered, beside, finish, open_raw, skip};
+use crate::bytes::{all_numbered, beside, finish, open_raw, skip, text};
 use crate::error::Fault;
 use crate::sample_type::SampleType;
 use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
+use mser3d_fileio::ReadLimits;
 use std::io::{BufRead, Read, Seek, SeekFrom};
 use std::path::Path;
 
 /// How the values are written.
 pub(super) struct Coding {
-    sample: SampleType,
+    pub sample: SampleType,
     big_endian: bool,
     text: bool,
     packed: bool,
@@ -60,10 +61,11 @@ impl Coding {
         count: usize,
         mut source: impl BufRead,
         path: &Path,
+        limits: &ReadLimits,
     ) -> Result<Samples, Fault> {
         let place = header.data_file.as_str();
         if place.eq_ignore_ascii_case("LOCAL") {
-            return self.values(count, source);
+            return self.values(count, source, limits);
         }
         let words: Vec<&str> = place.split_whitespace().collect();
         let mut names = vec![place.to_owned()];
@@ -88,10 +90,10 @@ impl Coding {
                 "{count} values do not fit into {files} files of equal size"
             )));
         }
-        let files = names.iter().map(|name| beside(path, name)).collect::<Result<Vec<_>, _>>()?;
+        let files = names.iter().map(|name| beside(path, name, limits)).collect::<Result<Vec<_>, _>>()?;
         let mut all: Option<Samples> = None;
         for file in files {
-            let part = self.file(each, &file).map_err(|fault| fault.of_part(&file))?;
+            let part = self.file(each, &file, limits).map_err(|fault| fault.of_part(&file))?;
             match &mut all {
                 None => all = Some(part),
                 Some(all) => {
@@ -102,20 +104,25 @@ impl Coding {
         all.ok_or_else(|| Fault::invalid("its list of data files is empty"))
     }
 
-    fn file(&self, count: usize, path: &Path) -> Result<Samples, Fault> {
+    fn file(&self, count: usize, path: &Path, limits: &ReadLimits) -> Result<Samples, Fault> {
         let mut source = open_raw(path)?;
         match self.skip {
             Some(bytes) => skip(&mut source, bytes)?,
             None => {
                 let wanted = count.saturating_mul(self.sample.bytes()) as u64;
-                let length = source.get_ref().metadata()?.len();
+                let length = source.get_ref().len()?;
                 source.seek(SeekFrom::Start(length.saturating_sub(wanted)))?;
             }
         }
-        self.values(count, source)
+        self.values(count, source, limits)
     }
 
-    fn values<'a>(&self, count: usize, mut source: impl BufRead + 'a) -> Result<Samples, Fault> {
+    fn values<'a>(
+        &self,
+        count: usize,
+        mut source: impl BufRead + 'a,
+        limits: &ReadLimits,
+    ) -> Result<Samples, Fault> {
         if self.packed {
             // zlib's wrapping by the standard; gzip's by hand.
             let mut unpacked: Box<dyn Read> = match source.fill_buf()?.starts_with(&[0x1f, 0x8b]) {
@@ -127,9 +134,7 @@ impl Coding {
             return Ok(values);
         }
         if self.text {
-            let mut text = String::new();
-            source.read_to_string(&mut text)?;
-            return self.sample.read_text(count, &text);
+            return self.sample.read_text(count, &text(source, limits, self.sample.kept(count))?);
         }
         self.sample.read(count, self.big_endian, source)
     }

@@ -6,18 +6,19 @@ mod header;
 use crate::bytes::open_raw;
 use crate::error::Fault;
 use crate::loaded::{LoadedVolume, World};
-use crate::volume::{Volume, voxel_count};
+use crate::volume::{Volume, allowed_count};
 use crate::{Affine, VolumeFormat};
 use data::Coding;
 use header::Header;
+use mser3d_fileio::ReadLimits;
 use std::io::BufRead;
 use std::path::Path;
 
-pub(crate) fn read(path: &Path) -> Result<LoadedVolume, Fault> {
-    parse(open_raw(path)?, path)
+pub(crate) fn read(path: &Path, limits: &ReadLimits) -> Result<LoadedVolume, Fault> {
+    parse(open_raw(path)?, path, limits)
 }
 
-fn parse(mut source: impl BufRead, path: &Path) -> Result<LoadedVolume, Fault> {
+fn parse(mut source: impl BufRead, path: &Path, limits: &ReadLimits) -> Result<LoadedVolume, Fault> {
     let header = Header::read(&mut source)?;
     let mut notes = Vec::new();
     let axes = header.numbers::<usize>(&["NDims"], 1)?.map_or(0, |n| n[0]);
@@ -31,8 +32,9 @@ fn parse(mut source: impl BufRead, path: &Path) -> Result<LoadedVolume, Fault> {
     let components = header.numbers::<usize>(&["ElementNumberOfChannels"], 1)?.map_or(1, |n| n[0]);
     let (affine, placed_by) = placement(&header, axes, &mut notes)?;
     let channels = components.saturating_mul(volumes);
-    let count = voxel_count(dims).and_then(|n| n.checked_mul(channels)).unwrap_or(usize::MAX);
-    let values = Coding::of(&header)?.read(&header, count, source, path)?;
+    let coding = Coding::of(&header)?;
+    let count = allowed_count(dims, channels, coding.sample.bytes(), limits)?;
+    let values = coding.read(&header, count, source, path, limits)?;
     // In the file the components of a voxel stand side by side, and a volume after the other.
     let voxels = count / channels.max(1);
     let values = match volumes {

@@ -11,7 +11,7 @@ fn file(fields: &str, data: &[u8]) -> Vec<u8> {
 }
 
 fn read_bytes(bytes: &[u8]) -> Result<LoadedVolume, Fault> {
-    parse(bytes, Path::new("nowhere/a.mha"))
+    parse(bytes, Path::new("nowhere/a.mha"), &ReadLimits::default())
 }
 
 #[test]
@@ -51,18 +51,18 @@ fn data_beside_the_header_in_one_file_or_many() {
         ("c.mhd", format!("{}LIST\ns0.raw\ns1.raw\n", skipped(-1))),
     ] {
         std::fs::write(at(name), text).unwrap();
-        let loaded = read(&at(name)).unwrap();
+        let loaded = read(&at(name), &ReadLimits::default()).unwrap();
         assert_eq!(*loaded.volume.samples(), Samples::I16(vec![1, -2, 3, 400]), "{name}");
     }
     for (last, says) in [
-        ("other.raw", "other.raw is missing"),
-        ("/tmp/x.raw", "absolute"),
+        ("other.raw", "other.raw that it names is missing"),
+        ("/tmp/x.raw", "outside of its folder"),
         ("LIST\ns0.raw", "data file s0.raw: the header promises 8 bytes"),
         ("LIST\ns0.raw\ns0.raw\ns1.raw", "3 files"),
         ("s%d.raw 0 x 1", "pattern"),
     ] {
         std::fs::write(at("d.mhd"), format!("{FIELDS}{last}")).unwrap();
-        let error = read(&at("d.mhd")).unwrap_err().in_file(&at("d.mhd")).to_string();
+        let error = read(&at("d.mhd"), &ReadLimits::default()).unwrap_err().in_file(&at("d.mhd")).to_string();
         assert!(error.contains(says), "{error}");
     }
 }

@@ -13,9 +13,10 @@ use crate::bytes::{finish, open, skip};
 use crate::error::Fault;
 use crate::loaded::{ChannelKind, LoadedVolume, World, WorldAxes};
 use crate::sample_type::SampleType;
-use crate::volume::{Volume, interleaved, voxel_count};
+use crate::volume::{Volume, allowed_count, interleaved};
 use crate::{Samples, VolumeFormat};
 use header::{Header, Version};
+use mser3d_fileio::ReadLimits;
 use std::io::Read;
 use std::path::Path;
 
@@ -40,39 +41,39 @@ const TYPES: [(i64, SampleType, usize); 12] = [
     (2304, SampleType::U8, 4),
 ];
 
-pub(crate) fn read(path: &Path) -> Result<LoadedVolume, Fault> {
-    let Some(pair) = pair::files(path)? else {
+pub(crate) fn read(path: &Path, limits: &ReadLimits) -> Result<LoadedVolume, Fault> {
+    let Some(pair) = pair::files(path, limits)? else {
         let mut source = open(path)?;
         let header = Header::read(&mut source)?;
         if header.pair {
             let reason = "the header of a pair of files; name it .hdr, with the data beside it in .img";
             return Err(Fault::unsupported(reason));
         }
-        return volume(header, source);
+        return volume(header, source, limits);
     };
     let mut source = open(&pair.header)?;
     let mut header = Header::read(&mut source)?;
     if !header.pair {
-        return volume(header, source);
+        return volume(header, source, limits);
     }
     header.length = 0;
     let source = open(&pair.data)?;
-    volume(header, source)
+    volume(header, source, limits)
 }
 
 /// The volume whose values follow after the header.
-fn volume(header: Header, mut source: impl Read) -> Result<LoadedVolume, Fault> {
+fn volume(header: Header, mut source: impl Read, limits: &ReadLimits) -> Result<LoadedVolume, Fault> {
     let Header { dims, volumes, sample, colours, mut notes, .. } = header;
-    // Extensions may stand between the header and the data.
-    skip(&mut source, header.data_at.saturating_sub(header.length))?;
-    let voxels = voxel_count(dims).and_then(|n| n.checked_mul(colours));
-    let count = voxels.and_then(|n| n.checked_mul(volumes)).unwrap_or(usize::MAX);
-    let mut values = sample.read(count, header.big_endian, &mut source)?;
-    finish(source)?;
     // Analyze has no scaling, but SPM wrote the slope where NIfTI has it.
     let intercept = if header.version == Version::Analyze { 0.0 } else { header.intercept };
     let slope = header.slope;
     let scaled = slope != 0.0 && slope.is_finite() && (slope, intercept) != (1.0, 0.0);
+    let kept_bytes = if scaled && colours == 1 { sample.bytes().max(8) } else { sample.bytes() };
+    let count = allowed_count(dims, volumes.saturating_mul(colours), kept_bytes, limits)?;
+    // Extensions may stand between the header and the data.
+    skip(&mut source, header.data_at.saturating_sub(header.length))?;
+    let mut values = sample.read(count, header.big_endian, &mut source)?;
+    finish(source)?;
     if scaled && colours == 1 {
         if intercept.is_finite() {
             let scaled = values.to_f64().into_iter().map(|x| slope * x + intercept);

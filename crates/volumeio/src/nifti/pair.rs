@@ -1,5 +1,7 @@
 //! Header and data in two files, `.hdr` and `.img`, each of which may be packed.
+use crate::bytes::beside;
 use crate::error::Fault;
+use mser3d_fileio::ReadLimits;
 use std::path::{Path, PathBuf};
 
 pub(super) struct Pair {
@@ -8,7 +10,7 @@ pub(super) struct Pair {
 }
 
 /// Both files of a pair, found from either; none for a name of a single file.
-pub(super) fn files(path: &Path) -> Result<Option<Pair>, Fault> {
+pub(super) fn files(path: &Path, limits: &ReadLimits) -> Result<Option<Pair>, Fault> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let lower = name.to_ascii_lowercase();
     let packed = lower.ends_with(".gz");
@@ -21,15 +23,16 @@ pub(super) fn files(path: &Path) -> Result<Option<Pair>, Fault> {
     let (own, partner) = if is_header { ("hdr", "img") } else { ("img", "hdr") };
     let capitals = name[..without].ends_with(&own.to_ascii_uppercase());
     let partner = if capitals { partner.to_ascii_uppercase() } else { partner.to_owned() };
-    let beside = |ending: &str| path.with_file_name(format!("{stem}.{partner}{ending}"));
+    let named = |ending: &str| format!("{stem}.{partner}{ending}");
     let endings = if packed { [".gz", ""] } else { ["", ".gz"] };
-    let found = endings.into_iter().map(beside).find(|path| path.is_file()).ok_or_else(|| {
+    let found = endings.into_iter().map(named).find(|name| path.with_file_name(name).exists()).ok_or_else(|| {
         let what = if is_header { "data" } else { "header" };
         Fault::invalid(format!(
             "its {what}, {stem}.{partner} or {stem}.{partner}.gz, is missing; both files of a pair belong into the \
              same folder"
         ))
     })?;
+    let found = beside(path, &found, limits)?;
     let own = path.to_path_buf();
     let (header, data) = if is_header { (own, found) } else { (found, own) };
     Ok(Some(Pair { header, data }))

@@ -19,7 +19,7 @@ fn put(bytes: &mut [u8], at: usize, field: &[u8]) {
 fn read_bytes(bytes: &[u8]) -> Result<LoadedVolume, Fault> {
     let mut source = bytes;
     let header = Header::read(&mut source)?;
-    volume(header, source)
+    volume(header, source, &ReadLimits::default())
 }
 
 #[test]
@@ -135,13 +135,13 @@ fn pairs_are_read_from_either_file() {
     std::fs::write(at("b.hdr"), &head).unwrap();
     std::fs::write(at("b.img.gz"), packer.finish().unwrap()).unwrap();
     for name in ["a.HDR", "a.IMG", "b.hdr", "b.img.gz"] {
-        let loaded = read(&at(name)).unwrap();
+        let loaded = read(&at(name), &ReadLimits::default()).unwrap();
         assert_eq!((loaded.volume, loaded.notes), (small(), vec![]), "{name}");
     }
     std::fs::remove_file(at("b.hdr")).unwrap();
     std::fs::remove_file(at("a.IMG")).unwrap();
     for (name, says) in [("b.img.gz", "its header, b.hdr"), ("a.HDR", "its data, a.IMG")] {
-        let error = read(&at(name)).unwrap_err().in_file(&at(name)).to_string();
+        let error = read(&at(name), &ReadLimits::default()).unwrap_err().in_file(&at(name)).to_string();
         assert!(error.contains(says), "{error}");
     }
     // Analyze 7.5 has no letters there, and SPM's slope.
@@ -149,13 +149,15 @@ fn pairs_are_read_from_either_file() {
     put(&mut head, 112, &2f32.to_le_bytes());
     std::fs::write(at("c.hdr"), &head).unwrap();
     std::fs::write(at("c.img"), &whole[352..]).unwrap();
-    let loaded = read(&at("c.img")).unwrap();
+    let loaded = read(&at("c.img"), &ReadLimits::default()).unwrap();
     assert_eq!(*loaded.volume.samples(), Samples::F64(vec![2.0, -4.0, 6.0, 800.0]));
     assert!(loaded.notes[0].contains("left and right"), "{:?}", loaded.notes);
     // The header of a pair is no whole file.
     put(&mut head, 344, b"ni1\0");
     std::fs::write(at("d.nii"), &head).unwrap();
-    assert!(matches!(read(&at("d.nii")), Err(Fault::Unsupported(reason)) if reason.contains(".hdr")));
+    assert!(
+        matches!(read(&at("d.nii"), &ReadLimits::default()), Err(Fault::Unsupported(reason)) if reason.contains(".hdr"))
+    );
 }
 
 #[test]

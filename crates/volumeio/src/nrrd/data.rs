@@ -1,12 +1,13 @@
 //! The values: in the file itself, in another or in many.
 use super::header::Header;
 use crate::Samples;
-use crate::bytes::{all_numbered, beside, finish, open_raw, skip};
+use crate::bytes::{all_numbered, beside, finish, open_raw, skip, text};
 use crate::error::Fault;
 use crate::sample_type::SampleType;
 use crate::text_values::unhex;
 use bzip2::bufread::MultiBzDecoder;
 use flate2::bufread::MultiGzDecoder;
+use mser3d_fileio::ReadLimits;
 use std::io::{BufRead, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
@@ -15,6 +16,7 @@ pub(super) fn read(
     count: usize,
     source: impl BufRead,
     path: &Path,
+    limits: &ReadLimits,
 ) -> Result<Samples, Fault> {
     let coding = Coding::of(header)?;
     let Some(place) = header.data_file() else {
@@ -22,9 +24,9 @@ pub(super) fn read(
             let reason = "byte skip -1 is for data in another file; save the file again without it";
             return Err(Fault::unsupported(reason));
         }
-        return coding.read(count, source);
+        return coding.read(count, source, limits);
     };
-    let files = data_files(header, place, path)?;
+    let files = data_files(header, place, path, limits)?;
     let each = count / files.len();
     if each * files.len() != count {
         let files = files.len();
@@ -35,10 +37,10 @@ pub(super) fn read(
         let mut source = open_raw(&file)?;
         if coding.at_end {
             let wanted = each.saturating_mul(coding.sample.bytes()) as u64;
-            let length = source.get_ref().metadata()?.len();
+            let length = source.get_ref().len()?;
             source.seek(SeekFrom::Start(length.saturating_sub(wanted)))?;
         }
-        let part = coding.read(each, source).map_err(|fault| fault.of_part(&file))?;
+        let part = coding.read(each, source, limits).map_err(|fault| fault.of_part(&file))?;
         match &mut all {
             None => all = Some(part),
             Some(all) => {
@@ -50,8 +52,8 @@ pub(super) fn read(
 }
 
 /// The files that `data file` names, which lie beside the header.
-fn data_files(header: &Header, place: &str, path: &Path) -> Result<Vec<PathBuf>, Fault> {
-    let beside = |name: &String| beside(path, name);
+fn data_files(header: &Header, place: &str, path: &Path, limits: &ReadLimits) -> Result<Vec<PathBuf>, Fault> {
+    let beside = |name: &String| beside(path, name, limits);
     if place.split_whitespace().next() == Some("LIST") {
         let files = header.listed.iter().map(beside).collect::<Result<Vec<_>, _>>()?;
         if files.is_empty() {
@@ -121,7 +123,7 @@ impl Coding {
                 "line skip {lines} and byte skip {bytes} are not possible here"
             )));
         }
-        let sample = sample(header.required("type")?)?;
+        let sample = sample(header)?;
         let endian = header.text("endian").map(str::to_ascii_lowercase);
         let needs_endian = !matches!(encoding, Encoding::Text) && sample.bytes() > 1;
         let big_endian = match endian.as_deref() {
@@ -141,7 +143,7 @@ impl Coding {
         Ok(Self { sample, big_endian, encoding, lines: lines as u64, bytes, at_end })
     }
 
-    fn read(&self, count: usize, mut source: impl BufRead) -> Result<Samples, Fault> {
+    fn read(&self, count: usize, mut source: impl BufRead, limits: &ReadLimits) -> Result<Samples, Fault> {
         for _ in 0..self.lines {
             if source.skip_until(b'\n')? == 0 {
                 return Err(Fault::invalid("the file ends within the lines that line skip leaves out"));
@@ -153,15 +155,15 @@ impl Coding {
             Encoding::Bzip2 => self.packed(count, MultiBzDecoder::new(source)),
             Encoding::Text => {
                 skip(&mut source, self.bytes)?;
-                let mut text = String::new();
-                source.read_to_string(&mut text)?;
-                self.sample.read_text(count, &text)
+                self.sample.read_text(count, &text(source, limits, self.sample.kept(count))?)
             }
             Encoding::Hex => {
                 skip(&mut source, self.bytes)?;
-                let mut text = Vec::new();
-                source.read_to_end(&mut text)?;
-                self.sample.read(count, self.big_endian, &unhex(&text)?[..])
+                self.sample.read(
+                    count,
+                    self.big_endian,
+                    &unhex(&text(source, limits, self.sample.kept(count).saturating_mul(2))?)?[..],
+                )
             }
         }
     }
@@ -178,7 +180,9 @@ impl Coding {
     }
 }
 
-fn sample(name: &str) -> Result<SampleType, Fault> {
+/// The type of the numbers.
+pub(super) fn sample(header: &Header) -> Result<SampleType, Fault> {
+    let name = header.required("type")?;
     Ok(match name.to_ascii_lowercase().as_str() {
         "uchar" | "unsigned char" | "uint8" | "uint8_t" => SampleType::U8,
         "signed char" | "int8" | "int8_t" => SampleType::I8,

@@ -9,24 +9,25 @@ use crate::VolumeFormat;
 use crate::bytes::open_raw;
 use crate::error::Fault;
 use crate::loaded::{ChannelKind, LoadedVolume};
-use crate::volume::{Volume, voxel_count};
+use crate::volume::{Volume, allowed_count};
 use axes::Axes;
 use header::Header;
+use mser3d_fileio::ReadLimits;
 use std::io::BufRead;
 use std::path::Path;
 
-pub(crate) fn read(path: &Path) -> Result<LoadedVolume, Fault> {
-    parse(open_raw(path)?, path)
+pub(crate) fn read(path: &Path, limits: &ReadLimits) -> Result<LoadedVolume, Fault> {
+    parse(open_raw(path)?, path, limits)
 }
 
-fn parse(mut source: impl BufRead, path: &Path) -> Result<LoadedVolume, Fault> {
+fn parse(mut source: impl BufRead, path: &Path, limits: &ReadLimits) -> Result<LoadedVolume, Fault> {
     let header = Header::read(&mut source)?;
     let mut notes = Vec::new();
     let axes = Axes::of(&header, &mut notes)?;
     let (affine, world, placed_by) = axes.placement(&header, &mut notes)?;
     let (dims, channels) = (axes.dims(), axes.channels().unwrap_or(usize::MAX));
-    let count = voxel_count(dims).and_then(|n| n.checked_mul(channels)).unwrap_or(usize::MAX);
-    let values = data::read(&header, count, source, path)?;
+    let count = allowed_count(dims, channels, data::sample(&header)?.bytes(), limits)?;
+    let values = data::read(&header, count, source, path, limits)?;
     let volume = Volume::new(dims, channels, affine, axes.arranged(values))?;
     let mut loaded = LoadedVolume::plain(volume, VolumeFormat::Nrrd);
     loaded.segments = segments::of(&header, channels, &mut notes);

@@ -6,7 +6,7 @@ fn file(fields: &str, data: &[u8]) -> Vec<u8> {
 }
 
 fn read_bytes(bytes: &[u8]) -> Result<LoadedVolume, Fault> {
-    parse(bytes, Path::new("nowhere/a.nrrd"))
+    parse(bytes, Path::new("nowhere/a.nrrd"), &ReadLimits::default())
 }
 
 const FIELDS: &str = "type: short\ndimension: 3\nspace: left-posterior-superior\nsizes: 2 1 2\n\
@@ -162,19 +162,23 @@ fn data_beside_the_header_in_every_encoding() {
     ] {
         // No empty line need stand at the end.
         put("a.nhdr", format!("NRRD0005\n{fields}").as_bytes());
-        let loaded = read(&at("a.nhdr")).unwrap_or_else(|e| panic!("{name}: {}", e.in_file(Path::new("a"))));
+        let loaded = super::read(&at("a.nhdr"), &ReadLimits::default())
+            .unwrap_or_else(|e| panic!("{name}: {}", e.in_file(Path::new("a"))));
         assert_eq!(*loaded.volume.samples(), values(), "{name}");
     }
     for (fields, says) in [
-        (with("raw", "data file: b.raw"), "b.raw is missing"),
-        (with("raw", "data file: /a.raw"), "absolute"),
+        (with("raw", "data file: b.raw"), "b.raw that it names is missing"),
+        (with("raw", "data file: /a.raw"), "outside of its folder"),
         (with("raw", "data file: s-01.raw"), "data file s-01.raw: the header promises 8"),
         (with("raw", "data file: LIST"), "empty"),
         (with("raw", "data file: LIST\na.raw\na.raw\na.raw"), "3 files"),
         (with("raw", "line skip: 4\ndata file: a.raw"), "line skip"),
     ] {
         put("a.nhdr", format!("NRRD0005\n{fields}").as_bytes());
-        let error = read(&at("a.nhdr")).unwrap_err().in_file(&at("a.nhdr")).to_string();
+        let error = super::read(&at("a.nhdr"), &ReadLimits::default())
+            .unwrap_err()
+            .in_file(&at("a.nhdr"))
+            .to_string();
         assert!(error.contains(says), "{error}");
     }
 }

@@ -10,6 +10,8 @@ pub(super) struct Source<R> {
     length: u64,
     pub big_endian: bool,
     big: bool,
+    /// Bytes that all directories hold.
+    held: u64,
 }
 
 /// The entries of one page, by tag.
@@ -39,7 +41,7 @@ impl<R: Read + Seek> Source<R> {
     /// The file, and where its first directory is.
     pub fn open(mut reader: R) -> Result<(Self, u64), Fault> {
         let length = reader.seek(SeekFrom::End(0))?;
-        let mut source = Self { reader, length, big_endian: false, big: false };
+        let mut source = Self { reader, length, big_endian: false, big: false, held: 0 };
         let start = source.at(0, 8)?;
         source.big_endian = match &start[..2] {
             b"II" => false,
@@ -112,6 +114,7 @@ impl<R: Read + Seek> Source<R> {
         let table = self.at(offset + counted, count.saturating_mul(each).saturating_add(word))?;
         let (entries, next) = table.split_at(table.len() - word as usize);
         let mut directory = Directory::default();
+        self.hold(size_of::<Directory>() as u64)?;
         for entry in entries.chunks_exact(each as usize) {
             let (tag, kind) = (self.unsigned(&entry[..2]) as u16, self.unsigned(&entry[2..4]) as u16);
             let (count, value) = entry[4..].split_at(word as usize);
@@ -119,12 +122,29 @@ impl<R: Read + Seek> Source<R> {
             let bytes = self.unsigned(count).saturating_mul(width);
             let bytes = match bytes <= word {
                 true => value[..bytes as usize].to_vec(),
-                false => self.at(self.unsigned(value), bytes)?,
+                false => {
+                    self.hold(bytes)?;
+                    self.at(self.unsigned(value), bytes)?
+                }
             };
             directory.entries.insert(tag, Entry { kind, bytes });
         }
         let next = self.unsigned(next);
         Ok((directory, next))
+    }
+
+    /// Counts what the directories hold. Each entry has bytes of its own in the file, so they are not much more than it; more
+    /// are the same bytes again and again, to fill the memory.
+    fn hold(&mut self, bytes: u64) -> Result<(), Fault> {
+        self.held = self.held.saturating_add(bytes);
+        if self.held > self.length.saturating_mul(2).saturating_add(16 << 20) {
+            let reason = format!(
+                "the directories of its pages refer to {} bytes, but it has {}; export it again",
+                self.held, self.length
+            );
+            return Err(Fault::invalid(reason));
+        }
+        Ok(())
     }
 
     /// The whole numbers of an entry, if it is there and holds such.

@@ -15,14 +15,16 @@ mod xml;
 
 use crate::error::Fault;
 use crate::loaded::{ChannelKind, LoadedVolume, World, WorldAxes};
+use crate::volume::allowed_count;
 use crate::{Affine, Samples, Volume, VolumeFormat};
 use description::Description;
 use directory::{Directory, Source};
+use mser3d_fileio::ReadLimits;
 use page::Page;
 use stack::Stack;
 use std::io::{Read, Seek};
 
-pub(crate) fn read(reader: impl Read + Seek) -> Result<LoadedVolume, Fault> {
+pub(crate) fn read(reader: impl Read + Seek, limits: &ReadLimits) -> Result<LoadedVolume, Fault> {
     let (mut source, first) = Source::open(reader)?;
     let directories = source.directories(first)?;
     let mut notes = Vec::new();
@@ -34,6 +36,15 @@ pub(crate) fn read(reader: impl Read + Seek) -> Result<LoadedVolume, Fault> {
         spacing::of(&source, &directories[*first], &description, stack.layers, &mut notes);
     what_is_kept(&source, &directories[*first], page, &mut notes);
 
+    let dims = [page.width, page.height, stack.layers];
+    let channels = stack.volumes.saturating_mul(page.samples);
+    let count = allowed_count(dims, channels, page.value_bytes(), limits)?;
+    // A page is there packed, unpacked and put together, beside the pages before it.
+    let each = if stack.repeated.is_some() { count } else { count / stack.pages.len().max(1) };
+    let bytes = (count as u64).saturating_add(4 * each as u64).saturating_mul(page.value_bytes() as u64);
+    limits.check_memory(bytes, || {
+        format!("it declares {} of {}", pages_of(stack.pages.len()), page.describe())
+    })?;
     let values = match stack.repeated {
         Some(count) => page.repeated(count)?.read(&mut source)?,
         None => {
@@ -50,8 +61,6 @@ pub(crate) fn read(reader: impl Read + Seek) -> Result<LoadedVolume, Fault> {
             all.ok_or_else(|| Fault::invalid("the file has no page"))?
         }
     };
-    let dims = [page.width, page.height, stack.layers];
-    let channels = stack.volumes.saturating_mul(page.samples);
     let values = stack.arranged(values, page);
     let volume = Volume::new(dims, channels, Affine::along_axes([0.0; 3], spacing)?, values)?;
     let mut loaded = LoadedVolume::plain(volume, VolumeFormat::Tiff);

@@ -250,6 +250,12 @@ impl Page {
         }
     }
 
+    /// Bytes of a value in memory.
+    pub fn value_bytes(&self) -> usize {
+        // Half numbers are numbers of 16 bits first.
+        if self.format == Format::Float && self.bits == 16 { 6 } else { self.unit() }
+    }
+
     fn sample_type(&self) -> SampleType {
         match (self.format, self.unit()) {
             (Format::Unsigned, 1) => SampleType::U8,

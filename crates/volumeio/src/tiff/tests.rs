@@ -60,11 +60,12 @@ fn file(pages: &[Entries]) -> Vec<u8> {
 }
 
 fn read_pages(pages: &[Entries]) -> LoadedVolume {
-    read(Cursor::new(file(pages))).unwrap_or_else(|e| panic!("{}", e.in_file("a.tif".as_ref())))
+    read(Cursor::new(file(pages)), &ReadLimits::default())
+        .unwrap_or_else(|e| panic!("{}", e.in_file("a.tif".as_ref())))
 }
 
 fn refused(pages: &[Entries]) -> String {
-    read(Cursor::new(file(pages))).unwrap_err().in_file("a.tif".as_ref()).to_string()
+    read(Cursor::new(file(pages)), &ReadLimits::default()).unwrap_err().in_file("a.tif".as_ref()).to_string()
 }
 
 #[test]
@@ -77,7 +78,7 @@ fn pages_become_layers_and_rows_y() {
     let whole = file(&pages);
     // The last four bytes say that no page follows.
     for length in 0..whole.len() {
-        assert!(read(Cursor::new(&whole[..length])).is_err(), "{length}");
+        assert!(read(Cursor::new(&whole[..length]), &ReadLimits::default()).is_err(), "{length}");
     }
 }
 
@@ -271,11 +272,12 @@ fn what_is_not_read_says_why() {
         let message = with(entry);
         assert!(message.contains(says), "{message}");
     }
-    assert!(read(Cursor::new(b"GIF89a..")).is_err());
+    assert!(read(Cursor::new(b"GIF89a.."), &ReadLimits::default()).is_err());
     // A page that is its own successor.
     let mut bytes = file(&[page(1, 1, 8, &[0])]);
     let (end, first) = (bytes.len() - 4, bytes[4..8].to_vec());
     bytes[end..].copy_from_slice(&first);
-    let error = read(Cursor::new(bytes)).unwrap_err().in_file("a.tif".as_ref()).to_string();
+    let error =
+        read(Cursor::new(bytes), &ReadLimits::default()).unwrap_err().in_file("a.tif".as_ref()).to_string();
     assert!(error.contains("circle"), "{error}");
 }

@@ -1,6 +1,8 @@
 //! The crate as its users see it.
 
 mod files;
+mod good_files;
+mod limits;
 #[cfg(feature = "serde")]
 mod records;
 mod shared_cases;

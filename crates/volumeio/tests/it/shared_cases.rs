@@ -16,7 +16,7 @@ fn case(name: &str) -> Option<PathBuf> {
 
 fn load(name: &str) -> Option<LoadedVolume> {
     let path = case(name)?;
-    Some(read_volume(&path).unwrap_or_else(|error| panic!("{error}")))
+    Some(read_volume(&path, &Default::default()).unwrap_or_else(|error| panic!("{error}")))
 }
 
 /// How many voxels of a channel are not zero, and the mean of their places.
@@ -85,6 +85,6 @@ fn stacks_are_whole_and_what_is_guessed_is_noted() {
 #[test]
 fn a_header_without_its_data_says_what_is_missing() {
     let Some(path) = case("mask_formats_hint/det.nhdr") else { return };
-    let error = read_volume(&path).unwrap_err().to_string();
-    assert!(error.contains("det.nhdr: its data file det.raw.gz is missing"), "{error}");
+    let error = read_volume(&path, &Default::default()).unwrap_err().to_string();
+    assert!(error.contains("det.nhdr: the file det.raw.gz that it names is missing"), "{error}");
 }
