@@ -21,7 +21,7 @@ pub fn read_bytes_within(path: &Path, limits: &ReadLimits, each: u64) -> Result<
     let fault = |source| FileError::Read { path: path.to_path_buf(), source };
     let over = |source| FileError::OverLimit { path: path.to_path_buf(), source };
     let file = InputFile::open(path).map_err(fault)?;
-    let length = file.len().map_err(fault)?;
+    let length = file.size().map_err(fault)?;
     let check = |bytes: u64| {
         limits.check_memory(bytes.saturating_mul(each), || format!("it has {bytes} bytes")).map_err(over)
     };

@@ -60,7 +60,7 @@ impl InputFile {
     /// As [`InputFile::open`].
     pub fn read_all(path: &Path) -> io::Result<Vec<u8>> {
         let mut file = Self::open(path)?;
-        let mut bytes = Vec::with_capacity(file.len()?.try_into().unwrap_or(0));
+        let mut bytes = Vec::with_capacity(file.size()?.try_into().unwrap_or(0));
         file.read_to_end(&mut bytes)?;
         Ok(bytes)
     }
@@ -69,7 +69,7 @@ impl InputFile {
     ///
     /// # Errors
     /// Those of the system.
-    pub fn len(&self) -> io::Result<u64> {
+    pub fn size(&self) -> io::Result<u64> {
         match self {
             Self::Regular(file) => Ok(file.metadata()?.len()),
             Self::Stdin(bytes) => Ok(bytes.get_ref().len() as u64),
@@ -141,7 +141,7 @@ mod tests {
         std::fs::write(folder.path().join("file"), "abc").unwrap();
         std::os::unix::fs::symlink("file", folder.path().join("link")).unwrap();
         let mut file = InputFile::open(&folder.path().join("link")).unwrap();
-        assert_eq!(file.len().unwrap(), 3);
+        assert_eq!(file.size().unwrap(), 3);
         let mut text = String::new();
         file.seek(SeekFrom::Start(1)).unwrap();
         file.read_to_string(&mut text).unwrap();

@@ -236,7 +236,7 @@ fn batch(out: &Path, options: &str) {
 fn words(line: &str, out: &Path) -> Vec<OsString> {
     let word = |word: &str| match word.strip_prefix('<') {
         Some(name) => results().path().join(name).into(),
-        None if word.starts_with('@') => out.join(&word[1..].trim_start_matches('/')).into(),
+        None if word.starts_with('@') => out.join(word[1..].trim_start_matches('/')).into(),
         None if word.starts_with('%') => fixtures().join(&word[1..]).into(),
         None => OsString::from(word),
     };

@@ -320,7 +320,7 @@ fn files_that_a_file_names_lie_in_its_folder() {
         "detect @in/a.nhdr -o @a --eigenpairs 20 --reliability 0 --stability-rule baseline",
         "inspect @in/a.nhdr",
     ] {
-        let (output, _) = run_in(root.path(), &words);
+        let (output, _) = run_in(root.path(), words);
         let stderr = text(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{words}: {stderr}");
         assert!(stderr.contains("outside of its folder") && stderr.contains("--allow-outside"), "{stderr}");

@@ -110,7 +110,7 @@ impl Coding {
             Some(bytes) => skip(&mut source, bytes)?,
             None => {
                 let wanted = count.saturating_mul(self.sample.bytes()) as u64;
-                let length = source.get_ref().len()?;
+                let length = source.get_ref().size()?;
                 source.seek(SeekFrom::Start(length.saturating_sub(wanted)))?;
             }
         }

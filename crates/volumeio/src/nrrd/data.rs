@@ -37,7 +37,7 @@ pub(super) fn read(
         let mut source = open_raw(&file)?;
         if coding.at_end {
             let wanted = each.saturating_mul(coding.sample.bytes()) as u64;
-            let length = source.get_ref().len()?;
+            let length = source.get_ref().size()?;
             source.seek(SeekFrom::Start(length.saturating_sub(wanted)))?;
         }
         let part = coding.read(each, source, limits).map_err(|fault| fault.of_part(&file))?;
