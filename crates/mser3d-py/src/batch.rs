@@ -10,7 +10,6 @@ use std::sync::Mutex;
 use mser3d::{Parameters, ProgressFn};
 use mser3d_cli::{BatchArgs, CliError};
 use mser3d_collection::{CollectionError, Job, Need, Outcome, Plan, ScheduledBatch, ScheduledShape};
-use mser3d_results::ShapeOptions;
 use mser3d_volumeio::{BodyParameters, Label, VolumeFormat};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;

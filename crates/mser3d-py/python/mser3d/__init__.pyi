@@ -68,6 +68,7 @@ def detect(
     faces: Any = None,
     *,
     progress: Progress = None,
+    format: Literal['obj', 'gltf', 'glb', 'off', 'ply', 'stl', 'vtu', 'vtp', 'vtk', 'msh', 'mesh', 'npy', 'nifti', 'nrrd', 'metaimage', 'mgh', 'tiff'] | None = None,
     animation: str | None = None,
     time: float = 0.0,
     volume: int | None = None,
@@ -94,12 +95,14 @@ def detect(
     overlap: Literal['auto', 'part', 'join'] = 'auto',
     no_cut_links: bool = False,
     morphology: Literal['open', 'close'] | None = None,
+    memory_limit: int | None = None,
     max_box_voxels: int = 4294967296,
+    time_limit: float | None = None,
+    allow_outside: bool = False,
     eigenpairs: int | None = None,
     lambda_max: float | None = None,
     tolerance: float = 1e-09,
     solver: Literal['auto', 'shift-invert', 'filter'] = 'auto',
-    memory_limit: int | None = None,
     cache: str | os.PathLike[str] | None = None,
     stability_rule: Literal['windowed', 'paper', 'baseline'] = 'windowed',
     window: float = 0.25,
@@ -146,6 +149,25 @@ def detect(
 
     Other Parameters
     ----------------
+    format : {'obj', 'gltf', 'glb', 'off', 'ply', 'stl', 'vtu', 'vtp', 'vtk', 'msh', 'mesh', 'npy', 'nifti', 'nrrd', 'metaimage', 'mgh', 'tiff'}, default None
+        Format of the input, whatever its name says; standard input, -, has none
+        * 'obj':
+        * 'gltf':
+        * 'glb':
+        * 'off':
+        * 'ply':
+        * 'stl':
+        * 'vtu':
+        * 'vtp':
+        * 'vtk':
+        * 'msh':
+        * 'mesh':
+        * 'npy':
+        * 'nifti':
+        * 'nrrd':
+        * 'metaimage':
+        * 'mgh':
+        * 'tiff':
     animation : str, default None
         glTF animation that poses the figure, by name or number from 0
     time : float, default 0.0
@@ -161,7 +183,8 @@ def detect(
     affine : path, default None
         Voxel-to-world map in place of the file's: a text or .npy file of 4 x 4 numbers
     threads : int, default None
-        Threads to use; the result is the same for any number [default: all cores]
+        Threads to use, 32 or the number of cores at most; the result is the same for any number [default: all
+        cores]
     surface : bool, default False
         Search the surface instead of the volume inside
     weight : {'heat', 'commute', 'edge', 'diffusion', 'curvature', 'field'}, default 'heat'
@@ -225,8 +248,15 @@ def detect(
         Change the solid by a voxel, against artefacts of the mesh [default: none]
         * 'open': Erosion, then dilation: drops what is thinner than three voxels
         * 'close': Dilation, then erosion: fills slits and pits a voxel wide
+    memory_limit : int, default None
+        Refuse what takes more memory, in MB: a file, a grid, a spectrum [default: 80 % of what is free, within
+        the limits of the system and of control groups]
     max_box_voxels : int, default 4294967296
-        Refuse boxes of more voxels than this; a grid takes half a byte for each
+        Refuse boxes of more voxels than this, of a mesh's grid and of a file; a grid takes half a byte for each
+    time_limit : float, default None
+        End with an error when the work takes longer; of many shapes, each [default: no limit]
+    allow_outside : bool, default False
+        Read files outside of its folder too that a file names: buffers of glTF, data of NRRD and MetaImage
     eigenpairs : int, default None
         Smallest eigenpairs of the Laplacian [default: 100, or as many as a small shape has]
     lambda_max : float, default None
@@ -238,9 +268,6 @@ def detect(
         * 'auto': By size and kind: dense, the filter for grids, shift-invert for all others
         * 'shift-invert': Block Lanczos on the inverse, by sparse L D L^T factorizations
         * 'filter': Block Lanczos on a Chebyshev polynomial of the grid's stencil, without a matrix
-    memory_limit : int, default None
-        Refuse to start when the spectrum needs more memory, in MB [default: 80 % of what is free on Linux; no
-        limit elsewhere]
     cache : path, default None
         Keep spectra in this folder and take them from there; results are the same with and without
     stability_rule : {'windowed', 'paper', 'baseline'}, default 'windowed'
@@ -290,6 +317,7 @@ def detect_volume(
     affine: Any = None,
     labels: Mapping[int, str] | str | os.PathLike[str] | None = None,
     progress: Progress = None,
+    format: Literal['obj', 'gltf', 'glb', 'off', 'ply', 'stl', 'vtu', 'vtp', 'vtk', 'msh', 'mesh', 'npy', 'nifti', 'nrrd', 'metaimage', 'mgh', 'tiff'] | None = None,
     label: int | str | None = None,
     threshold: float | None = None,
     threads: int | None = None,
@@ -310,12 +338,14 @@ def detect_volume(
     overlap: Literal['auto', 'part', 'join'] = 'auto',
     no_cut_links: bool = False,
     morphology: Literal['open', 'close'] | None = None,
+    memory_limit: int | None = None,
     max_box_voxels: int = 4294967296,
+    time_limit: float | None = None,
+    allow_outside: bool = False,
     eigenpairs: int | None = None,
     lambda_max: float | None = None,
     tolerance: float = 1e-09,
     solver: Literal['auto', 'shift-invert', 'filter'] = 'auto',
-    memory_limit: int | None = None,
     cache: str | os.PathLike[str] | None = None,
     stability_rule: Literal['windowed', 'paper', 'baseline'] = 'windowed',
     window: float = 0.25,
@@ -362,12 +392,32 @@ def detect_volume(
 
     Other Parameters
     ----------------
+    format : {'obj', 'gltf', 'glb', 'off', 'ply', 'stl', 'vtu', 'vtp', 'vtk', 'msh', 'mesh', 'npy', 'nifti', 'nrrd', 'metaimage', 'mgh', 'tiff'}, default None
+        Format of the input, whatever its name says; standard input, -, has none
+        * 'obj':
+        * 'gltf':
+        * 'glb':
+        * 'off':
+        * 'ply':
+        * 'stl':
+        * 'vtu':
+        * 'vtp':
+        * 'vtk':
+        * 'msh':
+        * 'mesh':
+        * 'npy':
+        * 'nifti':
+        * 'nrrd':
+        * 'metaimage':
+        * 'mgh':
+        * 'tiff':
     label : str, default None
         The body is this label, by number or name; all: each label is a shape of its own
     threshold : float, default None
         The body is the voxels of at least this value
     threads : int, default None
-        Threads to use; the result is the same for any number [default: all cores]
+        Threads to use, 32 or the number of cores at most; the result is the same for any number [default: all
+        cores]
     weight : {'heat', 'commute', 'edge', 'diffusion', 'curvature', 'field'}, default 'heat'
         What the component tree is built on; FIELD.npy: values or vectors of its own for each vertex or voxel
         * 'heat': The heat kernel H_t(v,v) of voxels or vertices: heat that stays
@@ -429,8 +479,15 @@ def detect_volume(
         Change the solid by a voxel, against artefacts of the mesh [default: none]
         * 'open': Erosion, then dilation: drops what is thinner than three voxels
         * 'close': Dilation, then erosion: fills slits and pits a voxel wide
+    memory_limit : int, default None
+        Refuse what takes more memory, in MB: a file, a grid, a spectrum [default: 80 % of what is free, within
+        the limits of the system and of control groups]
     max_box_voxels : int, default 4294967296
-        Refuse boxes of more voxels than this; a grid takes half a byte for each
+        Refuse boxes of more voxels than this, of a mesh's grid and of a file; a grid takes half a byte for each
+    time_limit : float, default None
+        End with an error when the work takes longer; of many shapes, each [default: no limit]
+    allow_outside : bool, default False
+        Read files outside of its folder too that a file names: buffers of glTF, data of NRRD and MetaImage
     eigenpairs : int, default None
         Smallest eigenpairs of the Laplacian [default: 100, or as many as a small shape has]
     lambda_max : float, default None
@@ -442,9 +499,6 @@ def detect_volume(
         * 'auto': By size and kind: dense, the filter for grids, shift-invert for all others
         * 'shift-invert': Block Lanczos on the inverse, by sparse L D L^T factorizations
         * 'filter': Block Lanczos on a Chebyshev polynomial of the grid's stencil, without a matrix
-    memory_limit : int, default None
-        Refuse to start when the spectrum needs more memory, in MB [default: 80 % of what is free on Linux; no
-        limit elsewhere]
     cache : path, default None
         Keep spectra in this folder and take them from there; results are the same with and without
     stability_rule : {'windowed', 'paper', 'baseline'}, default 'windowed'
@@ -547,6 +601,7 @@ def msv(
     affine: Any = None,
     volume_number: int | None = None,
     save: str | os.PathLike[str] | None = None,
+    format: Literal['obj', 'gltf', 'glb', 'off', 'ply', 'stl', 'vtu', 'vtp', 'vtk', 'msh', 'mesh', 'npy', 'nifti', 'nrrd', 'metaimage', 'mgh', 'tiff'] | None = None,
     regions: Literal['dark', 'bright', 'alike'] | Sequence[Literal['dark', 'bright', 'alike']] | None = None,
     delta: float | None = None,
     min_area: float = 0.0,
@@ -556,6 +611,10 @@ def msv(
     connectivity: Literal['6', '26', 6, 26] = '26',
     spacing: float | Sequence[float] | None = None,
     origin: float | Sequence[float] | None = None,
+    memory_limit: int | None = None,
+    max_box_voxels: int = 4294967296,
+    time_limit: float | None = None,
+    allow_outside: bool = False,
 ) -> MsvResult:
     """Finds the maximally stable regions of a grey-value volume or an image (MSER).
 
@@ -576,6 +635,25 @@ def msv(
 
     Other Parameters
     ----------------
+    format : {'obj', 'gltf', 'glb', 'off', 'ply', 'stl', 'vtu', 'vtp', 'vtk', 'msh', 'mesh', 'npy', 'nifti', 'nrrd', 'metaimage', 'mgh', 'tiff'}, default None
+        Format of the input, whatever its name says; standard input, -, has none
+        * 'obj':
+        * 'gltf':
+        * 'glb':
+        * 'off':
+        * 'ply':
+        * 'stl':
+        * 'vtu':
+        * 'vtp':
+        * 'vtk':
+        * 'msh':
+        * 'mesh':
+        * 'npy':
+        * 'nifti':
+        * 'nrrd':
+        * 'metaimage':
+        * 'mgh':
+        * 'tiff':
     regions : {'dark', 'bright', 'alike'} or a list of them, default None
         Which regions are searched [default: dark,bright; of colours alike]
         * 'dark': Dark regions on brighter ground (MSER+)
@@ -600,6 +678,15 @@ def msv(
         Distances of the voxels along the axes, in place of the file's
     origin : float or a list of them, default None
         Centre of the first voxel, in place of the file's
+    memory_limit : int, default None
+        Refuse what takes more memory, in MB: a file, a grid, a spectrum [default: 80 % of what is free, within
+        the limits of the system and of control groups]
+    max_box_voxels : int, default 4294967296
+        Refuse boxes of more voxels than this, of a mesh's grid and of a file; a grid takes half a byte for each
+    time_limit : float, default None
+        End with an error when the work takes longer; of many shapes, each [default: no limit]
+    allow_outside : bool, default False
+        Read files outside of its folder too that a file names: buffers of glTF, data of NRRD and MetaImage
     """
     ...
 
@@ -609,6 +696,7 @@ def parts(
     *,
     n: int | str = 'auto',
     progress: Progress = None,
+    format: Literal['obj', 'gltf', 'glb', 'off', 'ply', 'stl', 'vtu', 'vtp', 'vtk', 'msh', 'mesh', 'npy', 'nifti', 'nrrd', 'metaimage', 'mgh', 'tiff'] | None = None,
     animation: str | None = None,
     time: float = 0.0,
     volume: int | None = None,
@@ -635,12 +723,14 @@ def parts(
     overlap: Literal['auto', 'part', 'join'] = 'auto',
     no_cut_links: bool = False,
     morphology: Literal['open', 'close'] | None = None,
+    memory_limit: int | None = None,
     max_box_voxels: int = 4294967296,
+    time_limit: float | None = None,
+    allow_outside: bool = False,
     eigenpairs: int | None = None,
     lambda_max: float | None = None,
     tolerance: float = 1e-09,
     solver: Literal['auto', 'shift-invert', 'filter'] = 'auto',
-    memory_limit: int | None = None,
     cache: str | os.PathLike[str] | None = None,
     stability_rule: Literal['windowed', 'paper', 'baseline'] = 'windowed',
     window: float = 0.25,
@@ -673,6 +763,25 @@ def parts(
 
     Other Parameters
     ----------------
+    format : {'obj', 'gltf', 'glb', 'off', 'ply', 'stl', 'vtu', 'vtp', 'vtk', 'msh', 'mesh', 'npy', 'nifti', 'nrrd', 'metaimage', 'mgh', 'tiff'}, default None
+        Format of the input, whatever its name says; standard input, -, has none
+        * 'obj':
+        * 'gltf':
+        * 'glb':
+        * 'off':
+        * 'ply':
+        * 'stl':
+        * 'vtu':
+        * 'vtp':
+        * 'vtk':
+        * 'msh':
+        * 'mesh':
+        * 'npy':
+        * 'nifti':
+        * 'nrrd':
+        * 'metaimage':
+        * 'mgh':
+        * 'tiff':
     animation : str, default None
         glTF animation that poses the figure, by name or number from 0
     time : float, default 0.0
@@ -688,7 +797,8 @@ def parts(
     affine : path, default None
         Voxel-to-world map in place of the file's: a text or .npy file of 4 x 4 numbers
     threads : int, default None
-        Threads to use; the result is the same for any number [default: all cores]
+        Threads to use, 32 or the number of cores at most; the result is the same for any number [default: all
+        cores]
     surface : bool, default False
         Search the surface instead of the volume inside
     weight : {'heat', 'commute', 'edge', 'diffusion', 'curvature', 'field'}, default 'heat'
@@ -752,8 +862,15 @@ def parts(
         Change the solid by a voxel, against artefacts of the mesh [default: none]
         * 'open': Erosion, then dilation: drops what is thinner than three voxels
         * 'close': Dilation, then erosion: fills slits and pits a voxel wide
+    memory_limit : int, default None
+        Refuse what takes more memory, in MB: a file, a grid, a spectrum [default: 80 % of what is free, within
+        the limits of the system and of control groups]
     max_box_voxels : int, default 4294967296
-        Refuse boxes of more voxels than this; a grid takes half a byte for each
+        Refuse boxes of more voxels than this, of a mesh's grid and of a file; a grid takes half a byte for each
+    time_limit : float, default None
+        End with an error when the work takes longer; of many shapes, each [default: no limit]
+    allow_outside : bool, default False
+        Read files outside of its folder too that a file names: buffers of glTF, data of NRRD and MetaImage
     eigenpairs : int, default None
         Smallest eigenpairs of the Laplacian [default: 100, or as many as a small shape has]
     lambda_max : float, default None
@@ -765,9 +882,6 @@ def parts(
         * 'auto': By size and kind: dense, the filter for grids, shift-invert for all others
         * 'shift-invert': Block Lanczos on the inverse, by sparse L D L^T factorizations
         * 'filter': Block Lanczos on a Chebyshev polynomial of the grid's stencil, without a matrix
-    memory_limit : int, default None
-        Refuse to start when the spectrum needs more memory, in MB [default: 80 % of what is free on Linux; no
-        limit elsewhere]
     cache : path, default None
         Keep spectra in this folder and take them from there; results are the same with and without
     stability_rule : {'windowed', 'paper', 'baseline'}, default 'windowed'
@@ -876,12 +990,14 @@ def track(
     overlap: Literal['auto', 'part', 'join'] = 'auto',
     no_cut_links: bool = False,
     morphology: Literal['open', 'close'] | None = None,
+    memory_limit: int | None = None,
     max_box_voxels: int = 4294967296,
+    time_limit: float | None = None,
+    allow_outside: bool = False,
     eigenpairs: int | None = None,
     lambda_max: float | None = None,
     tolerance: float = 1e-09,
     solver: Literal['auto', 'shift-invert', 'filter'] = 'auto',
-    memory_limit: int | None = None,
     cache: str | os.PathLike[str] | None = None,
     stability_rule: Literal['windowed', 'paper', 'baseline'] = 'windowed',
     window: float = 0.25,
@@ -924,7 +1040,8 @@ def track(
     workers : int, default None
         Shapes in parallel, as far as memory allows [default: one a thread]
     threads : int, default None
-        Threads to use; the result is the same for any number [default: all cores]
+        Threads to use, 32 or the number of cores at most; the result is the same for any number [default: all
+        cores]
     animation : str, default None
         glTF animation, by name or number from 0 [default: the file's only one]
     every : float, default None
@@ -1008,8 +1125,15 @@ def track(
         Change the solid by a voxel, against artefacts of the mesh [default: none]
         * 'open': Erosion, then dilation: drops what is thinner than three voxels
         * 'close': Dilation, then erosion: fills slits and pits a voxel wide
+    memory_limit : int, default None
+        Refuse what takes more memory, in MB: a file, a grid, a spectrum [default: 80 % of what is free, within
+        the limits of the system and of control groups]
     max_box_voxels : int, default 4294967296
-        Refuse boxes of more voxels than this; a grid takes half a byte for each
+        Refuse boxes of more voxels than this, of a mesh's grid and of a file; a grid takes half a byte for each
+    time_limit : float, default None
+        End with an error when the work takes longer; of many shapes, each [default: no limit]
+    allow_outside : bool, default False
+        Read files outside of its folder too that a file names: buffers of glTF, data of NRRD and MetaImage
     eigenpairs : int, default None
         Smallest eigenpairs of the Laplacian [default: 100, or as many as a small shape has]
     lambda_max : float, default None
@@ -1021,9 +1145,6 @@ def track(
         * 'auto': By size and kind: dense, the filter for grids, shift-invert for all others
         * 'shift-invert': Block Lanczos on the inverse, by sparse L D L^T factorizations
         * 'filter': Block Lanczos on a Chebyshev polynomial of the grid's stencil, without a matrix
-    memory_limit : int, default None
-        Refuse to start when the spectrum needs more memory, in MB [default: 80 % of what is free on Linux; no
-        limit elsewhere]
     cache : path, default None
         Keep spectra in this folder and take them from there; results are the same with and without
     stability_rule : {'windowed', 'paper', 'baseline'}, default 'windowed'
@@ -1071,6 +1192,7 @@ def voxelize(
     faces: Any = None,
     *,
     threads: int | None = None,
+    format: Literal['obj', 'gltf', 'glb', 'off', 'ply', 'stl', 'vtu', 'vtp', 'vtk', 'msh', 'mesh', 'npy', 'nifti', 'nrrd', 'metaimage', 'mgh', 'tiff'] | None = None,
     animation: str | None = None,
     time: float = 0.0,
     voxels: int | None = None,
@@ -1083,7 +1205,10 @@ def voxelize(
     overlap: Literal['auto', 'part', 'join'] = 'auto',
     no_cut_links: bool = False,
     morphology: Literal['open', 'close'] | None = None,
+    memory_limit: int | None = None,
     max_box_voxels: int = 4294967296,
+    time_limit: float | None = None,
+    allow_outside: bool = False,
 ) -> Voxels:
     """Makes the solid inside a mesh: all voxels whose centres are inside, linked where no surface runs between them.
 
@@ -1105,6 +1230,25 @@ def voxelize(
 
     Other Parameters
     ----------------
+    format : {'obj', 'gltf', 'glb', 'off', 'ply', 'stl', 'vtu', 'vtp', 'vtk', 'msh', 'mesh', 'npy', 'nifti', 'nrrd', 'metaimage', 'mgh', 'tiff'}, default None
+        Format of the input, whatever its name says; standard input, -, has none
+        * 'obj':
+        * 'gltf':
+        * 'glb':
+        * 'off':
+        * 'ply':
+        * 'stl':
+        * 'vtu':
+        * 'vtp':
+        * 'vtk':
+        * 'msh':
+        * 'mesh':
+        * 'npy':
+        * 'nifti':
+        * 'nrrd':
+        * 'metaimage':
+        * 'mgh':
+        * 'tiff':
     animation : str, default None
         glTF animation that poses the figure, by name or number from 0
     time : float, default 0.0
@@ -1141,7 +1285,14 @@ def voxelize(
         Change the solid by a voxel, against artefacts of the mesh [default: none]
         * 'open': Erosion, then dilation: drops what is thinner than three voxels
         * 'close': Dilation, then erosion: fills slits and pits a voxel wide
+    memory_limit : int, default None
+        Refuse what takes more memory, in MB: a file, a grid, a spectrum [default: 80 % of what is free, within
+        the limits of the system and of control groups]
     max_box_voxels : int, default 4294967296
-        Refuse boxes of more voxels than this; a grid takes half a byte for each
+        Refuse boxes of more voxels than this, of a mesh's grid and of a file; a grid takes half a byte for each
+    time_limit : float, default None
+        End with an error when the work takes longer; of many shapes, each [default: no limit]
+    allow_outside : bool, default False
+        Read files outside of its folder too that a file names: buffers of glTF, data of NRRD and MetaImage
     """
     ...
