@@ -1,6 +1,8 @@
 """detect beside the command line."""
 
 import json
+import subprocess
+import sys
 
 import mser3d
 import numpy as np
@@ -256,11 +258,16 @@ def test_pyvista_has_surface_and_voxels(result, human):
     np.testing.assert_array_equal(again.vertex_labels, result.vertex_labels)
 
 
-def test_polyscope_shows_regions_and_parts(result, tmp_path, monkeypatch):
-    polyscope = pytest.importorskip("polyscope")
-    monkeypatch.chdir(tmp_path)  # It keeps its settings in the current folder.
-    polyscope.init("openGL_mock")
-    mesh = result.to_polyscope()
-    assert (mesh.get_name(), mesh.n_vertices(), mesh.n_faces()) == (result.name, len(result.vertices), len(result.faces))
-    assert polyscope.get_surface_mesh(result.name).get_name() == result.name
-    polyscope.remove_all_structures()
+def test_polyscope_shows_regions_and_parts(human, tmp_path):
+    pytest.importorskip("polyscope")
+    script = (
+        "import sys, mser3d, polyscope\n"
+        "polyscope.init('openGL_mock')\n"
+        "result = mser3d.detect(sys.argv[1], voxels=2000, reliability=0)\n"
+        "mesh = result.to_polyscope()\n"
+        "assert mesh.get_name() == result.name == polyscope.get_surface_mesh(result.name).get_name()\n"
+        "assert (mesh.n_vertices(), mesh.n_faces()) == (len(result.vertices), len(result.faces))\n"
+    )
+    # At its end Polyscope keeps its settings in the current folder.
+    run = [sys.executable, "-W", "ignore", "-c", script, str(human)]
+    assert subprocess.run(run, cwd=tmp_path, timeout=120).returncode == 0
