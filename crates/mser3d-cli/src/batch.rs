@@ -215,7 +215,7 @@ pub(crate) fn tell(
         }
     }
     for DamagedShape { name, damage } in damaged {
-        eprintln!("mser3d: warning: {name}: computed again, because its result is damaged: {damage}");
+        message::tell(&format!("warning: {name}: computed again, because its result is damaged: {damage}"));
     }
     if json {
         print_json(summary)?;

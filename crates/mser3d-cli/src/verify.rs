@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use mser3d_collection::verify_folder;
 
 use crate::error::{CliError, print};
+use crate::message::tell;
 
 #[derive(clap::Args)]
 pub struct VerifyArgs {
@@ -22,7 +23,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), CliError> {
         let found = match verify_folder(folder) {
             Ok(found) => found,
             Err(error) => {
-                eprintln!("mser3d: {error}");
+                tell(&error.to_string());
                 damaged += 1;
                 continue;
             }
@@ -31,13 +32,14 @@ pub fn run(args: &VerifyArgs) -> Result<(), CliError> {
         damaged += found.damaged();
         for finding in &found.findings {
             if finding.damaged {
-                eprintln!("mser3d: {}", finding.text);
+                tell(&finding.text);
             } else if !args.quiet {
-                eprintln!("mser3d: note: {}", finding.text);
+                tell(&format!("note: {}", finding.text));
             }
         }
     }
-    let checked = format!("{results} results and {tables} tables checked");
+    let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
+    let checked = format!("{} and {} checked", count(results, "result"), count(tables, "table"));
     if damaged > 0 {
         return Err(CliError::Incomplete(format!(
             "{checked}: {damaged} are damaged or missing, as said above"

@@ -222,6 +222,11 @@ fn names_do_not_command_the_terminal() {
     let batch = with(&["batch".as_ref(), mesh_word, dash_o, collection.as_os_str()], options);
     assert!(told(batch, 0).contains("a_[31m"));
     told(with(&["query".as_ref(), collection.as_os_str(), out_word], ""), 0);
+    // What is damaged is named too.
+    let verify = || with(&["verify".as_ref(), out_word], "");
+    told(verify(), 0);
+    fs::write(out.join("surface.ply"), "no mesh").unwrap();
+    assert!(told(verify(), 1).contains("out\\u001b[2J"));
     // JSON says the same as ever.
     let output = ends(with(&["inspect".as_ref(), mesh_word], "--json"), b"");
     let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();

@@ -66,7 +66,7 @@ fn verify_names_what_is_wrong_with_a_result() {
     regions(&fixtures().join("human_rest.off"), &out, SMALL);
     let output = verify(&[&out]);
     assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
-    assert_eq!(text(&output.stdout), "1 results and 0 tables checked: nothing is wrong\n");
+    assert_eq!(text(&output.stdout), "1 result and 0 tables checked: nothing is wrong\n");
     for name in ["features.npz", "surface.ply", "volume.vti", "regions.json"] {
         let whole = fs::read(out.join(name)).unwrap();
         flip(&out.join(name), whole.len() / 2);
