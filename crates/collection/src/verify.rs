@@ -5,7 +5,7 @@ use std::path::Path;
 
 use mser3d_fileio::InputFile;
 use mser3d_results::msv::MsvResults;
-use mser3d_results::{Checksums, Finding, Record, ResultsError, TracksRecord, verify};
+use mser3d_results::{Checksums, Finding, Record, ResultsError, TracksRecord, verify, verify_matches};
 
 use crate::failure::FAILURE;
 use crate::folder::result_names;
@@ -32,7 +32,7 @@ impl Verification {
     }
 }
 
-/// Checks a folder: a result of `detect` or `msv`, or a collection of `batch` or `track` with all its results and tables.
+/// Checks a folder: a result of `detect`, `msv` or `match`, or a collection of `batch` or `track` with all its results and tables.
 ///
 /// Each file is compared with the size and the SHA-256 that were written with it ([`Checksums`]), all that is read again is read, and
 /// tables are compared with the results that they are made of. Nothing is changed, but that a result which a killed process had
@@ -47,6 +47,11 @@ pub fn verify_folder(folder: &Path) -> Result<Verification, CollectionError> {
     if single {
         found.results = 1;
         found.findings = verify(folder);
+    }
+    // Where they are in a result's folder, its checksums are theirs.
+    if !single && let Some(findings) = verify_matches(folder) {
+        found.results = 1;
+        found.findings = findings;
     }
     if !folder.is_dir() {
         let problem = "there is no such folder".to_owned();

@@ -78,8 +78,27 @@ impl Fault {
     pub(crate) fn in_file(self, path: &Path) -> FileError {
         let path = path.to_path_buf();
         match self {
-            Self::Invalid(reason) => FileError::Invalid { path, reason },
-            Self::Unsupported(reason) => FileError::Unsupported { path, reason },
+            Self::Invalid(reason) => FileError::Invalid { path, reason: abridged(&reason) },
+            Self::Unsupported(reason) => FileError::Unsupported { path, reason: abridged(&reason) },
         }
     }
+}
+
+/// What is wrong with a file, without the middle of what it quotes from the file if that is long.
+///
+/// ```
+/// let reason = format!("{:?} is not a number", "a".repeat(10_000));
+/// let short = mser3d_fileio::abridged(&reason);
+/// assert!(short.len() < 700 && short.starts_with("\"aaa") && short.ends_with("aaa\" is not a number"));
+/// assert_eq!(mser3d_fileio::abridged("\"x\" is not a number"), "\"x\" is not a number");
+/// ```
+pub fn abridged(reason: &str) -> String {
+    const KEPT: [usize; 2] = [300, 250];
+    let length = reason.chars().count();
+    if length <= KEPT[0] + KEPT[1] {
+        return reason.to_owned();
+    }
+    let start: String = reason.chars().take(KEPT[0]).collect();
+    let end: String = reason.chars().skip(length - KEPT[1]).collect();
+    format!("{start} ... ({} more characters) ... {end}", length - KEPT[0] - KEPT[1])
 }

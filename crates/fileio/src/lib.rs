@@ -42,7 +42,7 @@ mod npy;
 mod npz;
 mod unfinished;
 
-pub use error::FileError;
+pub use error::{FileError, abridged};
 pub use file::{file_stem, read_bytes, read_bytes_within, write_atomically, write_text};
 pub use folder::{FolderLock, sync_folder, sync_names};
 pub use input::{InputFile, STDIN, take_stdin};

@@ -2,7 +2,7 @@ use crate::error::{Fault, FileError};
 use crate::file::{read_bytes, write_atomically};
 use crate::npy::{self, NpyArray};
 use std::collections::BTreeMap;
-use std::io::{self, Cursor, Read};
+use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 use zip::write::SimpleFileOptions;
 
@@ -12,19 +12,67 @@ use zip::write::SimpleFileOptions;
 /// # Errors
 /// [`FileError::Write`], also for a name given twice.
 pub fn write_npz(path: &Path, arrays: &[(&str, NpyArray)]) -> Result<(), FileError> {
-    write_atomically(path, |out| {
-        let mut archive = zip::ZipWriter::new(out);
-        for (name, array) in arrays {
-            let options = SimpleFileOptions::DEFAULT
-                .compression_method(zip::CompressionMethod::Stored)
-                .last_modified_time(zip::DateTime::DEFAULT)
-                .unix_permissions(0o644)
-                .large_file(array.byte_len() > u64::from(u32::MAX));
-            archive.start_file(format!("{name}.npy"), options)?;
-            array.write(&mut archive)?;
+    write_atomically(path, |out| write(out, arrays))
+}
+
+fn write(out: impl Write + Seek, arrays: &[(&str, NpyArray)]) -> io::Result<()> {
+    let mut target = Target { out, fault: None, position: 0, length: 0 };
+    let mut archive = zip::ZipWriter::new(&mut target);
+    for (name, array) in arrays {
+        let options = SimpleFileOptions::DEFAULT
+            .compression_method(zip::CompressionMethod::Stored)
+            .last_modified_time(zip::DateTime::DEFAULT)
+            .unix_permissions(0o644)
+            .large_file(array.byte_len() > u64::from(u32::MAX));
+        archive.start_file(format!("{name}.npy"), options)?;
+        array.write(&mut archive)?;
+    }
+    archive.finish()?;
+    target.fault.map_or(Ok(()), Err)
+}
+
+/// Where an archive goes. Its writer tries to end what it has begun even after a fault, and complains on stderr if that fails too;
+/// so the first fault is kept, and what comes after it goes nowhere.
+struct Target<W> {
+    out: W,
+    fault: Option<io::Error>,
+    position: u64,
+    length: u64,
+}
+
+impl<W> Target<W> {
+    fn unless_at_fault<T>(&mut self, done: impl FnOnce(&mut W) -> io::Result<T>) {
+        if self.fault.is_none() {
+            self.fault = done(&mut self.out).err();
         }
-        archive.finish().map(|_| ()).map_err(io::Error::from)
-    })
+    }
+}
+
+impl<W: Write> Write for Target<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.unless_at_fault(|out| out.write_all(bytes));
+        self.position += bytes.len() as u64;
+        self.length = self.length.max(self.position);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.unless_at_fault(W::flush);
+        Ok(())
+    }
+}
+
+impl<W: Seek> Seek for Target<W> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.unless_at_fault(|out| out.seek(to));
+        let position = match to {
+            SeekFrom::Start(position) => Some(position),
+            SeekFrom::Current(step) => self.position.checked_add_signed(step),
+            SeekFrom::End(step) => self.length.checked_add_signed(step),
+        };
+        self.position = position.ok_or(io::ErrorKind::InvalidInput)?;
+        Ok(self.position)
+    }
 }
 
 /// Reads the arrays of a file written by [`write_npz`] or `numpy.savez` (uncompressed), by name.
@@ -103,6 +151,34 @@ mod tests {
         assert!(write_npz(&paths[0], &twice).unwrap_err().to_string().contains("a.npz"));
         assert_eq!(std::fs::read(&paths[0]).unwrap(), bytes);
     }
+
+    #[test]
+    fn after_a_fault_nothing_is_written_and_nothing_said() {
+        /// A disk with room for so many bytes.
+        struct Disk(Cursor<Vec<u8>>, usize);
+        impl Write for Disk {
+            fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+                let full = self.0.position() as usize + bytes.len() > self.1;
+                if full { Err(io::ErrorKind::StorageFull.into()) } else { self.0.write(bytes) }
+            }
+            fn flush(&mut self) -> io::Result<()> {
+                Ok(())
+            }
+        }
+        impl Seek for Disk {
+            fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+                self.0.seek(to)
+            }
+        }
+        let arrays = [("a", NpyArray::flat(vec![1u8; 300])), ("b", NpyArray::flat(vec![2u8; 300]))];
+        let mut whole = Disk(Cursor::default(), usize::MAX);
+        write(&mut whole, &arrays).unwrap();
+        for room in 0..whole.0.get_ref().len() {
+            let mut disk = Disk(Cursor::default(), room);
+            assert_eq!(write(&mut disk, &arrays).unwrap_err().kind(), io::ErrorKind::StorageFull, "{room}");
+        }
+    }
+
     #[test]
     fn arrays_that_share_their_bytes_are_refused() {
         let folder = tempfile::tempdir().unwrap();

@@ -1,5 +1,5 @@
 use crate::{AnimationInfo, MeshFormat};
-use mser3d_fileio::{FileError, OverLimit};
+use mser3d_fileio::{FileError, OverLimit, abridged};
 use mser3d_shape::{InvalidParameter, ShapeError};
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -181,7 +181,7 @@ impl Fault {
 
     pub(crate) fn in_file(self, path: &Path) -> MeshIoError {
         let Self { line, unsupported, over, reason } = self;
-        let path = path.to_path_buf();
+        let (path, reason) = (path.to_path_buf(), abridged(&reason));
         if let Some(source) = over {
             return FileError::OverLimit { path, source }.into();
         }

@@ -1,7 +1,7 @@
 //! `mser3d match`: which regions of two shapes are the same.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use mser3d::descriptors::{DenseMapParameters, MatchParameters, MatchRule};
 use mser3d_collection::{
@@ -9,8 +9,8 @@ use mser3d_collection::{
     map_vertices, match_results,
 };
 use mser3d_evaluation::{Verdict, read_symmetry};
-use mser3d_fileio::{NpyArray, Writing, write_atomically, write_npy, write_text};
-use mser3d_results::{RegionPair, RenderOptions, Results, ResultsError, Up};
+use mser3d_fileio::{NpyArray, write_atomically, write_npy, write_text};
+use mser3d_results::{RegionPair, RenderOptions, Results, ResultsError, ResultsFolder, Up};
 
 use crate::choice::choice;
 use crate::error::{CliError, print};
@@ -114,6 +114,7 @@ impl MatchArgs {
 
 pub(crate) fn run(args: &MatchArgs) -> Result<(), CliError> {
     let parameters = args.parameters()?;
+    let folder = args.output.as_deref().map(ResultsFolder::create).transpose()?;
     let (first, second) = (DescribedResult::load(&args.first)?, DescribedResult::load(&args.second)?);
     let matching = args.find(&first, &second)?;
     let map = match args.write.contains(&MatchExtra::Map) {
@@ -122,7 +123,7 @@ pub(crate) fn run(args: &MatchArgs) -> Result<(), CliError> {
     };
     let record = MatchRecord::new(&first, &second, &parameters, &matching);
     let json = serde_json::to_string_pretty(&record).map_err(|e| CliError::Stdout(e.into()))? + "\n";
-    if let Some(folder) = &args.output {
+    if let Some(folder) = &folder {
         // In numpy -1 is handier for none.
         let map = map.map(|map| map.into_iter().map(|v| v.map_or(-1, |v| v as i32)).collect());
         write(folder, &first.results, &second.results, &matching, (&json, map), args)?;
@@ -133,20 +134,15 @@ pub(crate) fn run(args: &MatchArgs) -> Result<(), CliError> {
     print(&if args.json { json } else { table(&matching) })
 }
 
-/// All files of the folder.
-const FILES: [&str; 5] = ["matches.json", "matches.csv", "matches.png", "matches.html", "map.npy"];
-
-/// Writes the folder. The files of older matches go first, `matches.json` before the others; and it appears last: while it is
-/// there, the others belong to it.
+/// Writes the folder: all of it or nothing.
 fn write(
-    folder: &Path,
+    folder: &ResultsFolder,
     first: &Results,
     second: &Results,
     matching: &Matching,
     (json, map): (&str, Option<Vec<i32>>),
     args: &MatchArgs,
 ) -> Result<(), CliError> {
-    let fail = |error| ResultsError::OutputFolder { path: folder.to_path_buf(), error };
     let pairs = matching.matches.iter();
     let pair = |m: &RegionMatch| {
         let mistake = m.truth.is_some_and(|truth| truth.verdict != Verdict::Right);
@@ -165,26 +161,18 @@ fn write(
         }
         false => None,
     };
-    // All is there by now, so this is short.
-    let _whole = Writing::begin();
-    std::fs::create_dir_all(folder).map_err(fail)?;
-    for path in FILES.map(|name| folder.join(name)) {
-        match std::fs::remove_file(&path) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                return Err(ResultsError::Io { path, error }.into());
-            }
-            _ => {}
+    folder.write_matches(|staged| {
+        write_text(&staged.join("matches.csv"), &matching.to_csv())?;
+        write_atomically(&staged.join("matches.png"), |out| std::io::Write::write_all(out, &picture))?;
+        if let Some(page) = &page {
+            write_text(&staged.join("matches.html"), page)?;
         }
-    }
-    write_text(&folder.join("matches.csv"), &matching.to_csv())?;
-    write_atomically(&folder.join("matches.png"), |out| std::io::Write::write_all(out, &picture))?;
-    if let Some(page) = page {
-        write_text(&folder.join("matches.html"), &page)?;
-    }
-    if let Some(map) = map {
-        write_npy(&folder.join("map.npy"), &NpyArray::flat(map))?;
-    }
-    Ok(write_text(&folder.join("matches.json"), json)?)
+        if let Some(map) = map {
+            write_npy(&staged.join("map.npy"), &NpyArray::flat(map))?;
+        }
+        Ok(write_text(&staged.join("matches.json"), json)?)
+    })?;
+    Ok(())
 }
 
 fn table(matching: &Matching) -> String {

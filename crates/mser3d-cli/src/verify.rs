@@ -9,7 +9,7 @@ use crate::message::tell;
 
 #[derive(clap::Args)]
 pub struct VerifyArgs {
-    /// Folders that `mser3d detect`, `msv`, `batch` or `track` wrote
+    /// Folders that `mser3d detect`, `msv`, `match`, `batch` or `track` wrote
     #[arg(required = true)]
     pub folders: Vec<PathBuf>,
     /// Say only what is wrong

@@ -1,3 +1,4 @@
+use mser3d_fileio::abridged;
 use std::path::PathBuf;
 
 use thiserror::Error;
@@ -51,7 +52,7 @@ pub enum ResultsError {
         expected: u32,
     },
     /// A file does not say what it should.
-    #[error("{}: {reason}; run `mser3d detect` again", path.display())]
+    #[error("{}: {}; run `mser3d detect` again", path.display(), abridged(reason))]
     Broken {
         /// The file.
         path: PathBuf,

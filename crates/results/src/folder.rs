@@ -83,6 +83,18 @@ impl ResultsFolder {
         self.replace(&MsvResults::FILES, |staged| results.write_files(staged))
     }
 
+    /// Writes which regions of two results are the same, in place of older matches: `write` gets a folder for `matches.json` and the
+    /// files beside it, `matches.csv`, `matches.png`, `matches.html` and `map.npy`.
+    ///
+    /// # Errors
+    /// Those of `write`, [`ResultsError::Io`] and [`ResultsError::File`].
+    pub fn write_matches(
+        &self,
+        write: impl FnOnce(&Path) -> Result<(), ResultsError>,
+    ) -> Result<(), ResultsError> {
+        self.replace(&MATCHES, write)
+    }
+
     /// Puts what `write` writes, with checksums, in the place of what there is of these files.
     pub(crate) fn replace(
         &self,
@@ -135,7 +147,7 @@ fn finish(folder: &Path) -> Result<(), ResultsError> {
         let (from, to) = (complete.join(name), folder.join(name));
         ignore_missing(fs::rename(&from, &to)).map_err(io(&to))
     };
-    for kind in [&Results::FILES, &MsvResults::FILES] {
+    for kind in [&Results::FILES, &MsvResults::FILES, &MATCHES] {
         if !complete.join(kind.record).is_file() {
             continue;
         }
@@ -196,6 +208,10 @@ impl Results {
         ],
     };
 }
+
+/// The files of matches.
+pub(crate) const MATCHES: Kind =
+    Kind { record: "matches.json", others: &["matches.csv", "matches.png", "matches.html", "map.npy"] };
 
 /// The files in a folder, by name.
 fn names_in(folder: &Path) -> Result<Vec<String>, ResultsError> {

@@ -116,7 +116,7 @@ pub use shape_file::{Contents, ShapeFile, ShapeOptions};
 pub use shape_format::ShapeFormat;
 pub use sides::{left_and_right, side_text, sidedness_certainty, sidedness_kind};
 pub use tracks::{Identity, Sighting, Track, TrackParameters, TrackedFrame, TracksRecord};
-pub use verify::{Finding, first_damage, verify};
+pub use verify::{Finding, first_damage, verify, verify_matches};
 pub use volume_file::{BodyRecord, SolidVolume, VolumeFile, VolumeRecord};
 pub use write::Extra;
 

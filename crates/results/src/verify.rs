@@ -4,7 +4,7 @@ use std::path::Path;
 
 use mser3d_shape::Choice;
 
-use crate::folder::is_left_over;
+use crate::folder::{MATCHES, is_left_over};
 use crate::msv::MsvResults;
 use crate::{Checksums, Eigenfunctions, Extra, Results, ResultsError};
 
@@ -82,6 +82,20 @@ pub fn verify(folder: &Path) -> Vec<Finding> {
         }
     }
     findings
+}
+
+/// Checks matches of two results, of [`ResultsFolder::write_matches`](crate::ResultsFolder::write_matches): the size and SHA-256 of
+/// each file; none where there are no matches.
+pub fn verify_matches(folder: &Path) -> Option<Vec<Finding>> {
+    let record = [MATCHES.record];
+    folder.join(record[0]).is_file().then(|| match Checksums::load(folder) {
+        Ok(sums) if sums.files.contains_key(record[0]) => sums.check_all(folder, &record),
+        Ok(_) => {
+            let what = "its matches have no checksums: an earlier version wrote them, or they were removed";
+            vec![Finding::note(folder, what)]
+        }
+        Err(error) => vec![Finding::damage(error)],
+    })
 }
 
 /// The first thing of a result of [`Results::write`] that is damaged; faster than [`verify`] where it has checksums, because what is as

@@ -1,5 +1,5 @@
 use crate::VolumeFormat;
-use mser3d_fileio::{FileError, OverLimit};
+use mser3d_fileio::{FileError, OverLimit, abridged};
 use std::path::{Path, PathBuf};
 
 /// Why a volume could not be read or written.
@@ -72,8 +72,8 @@ impl Fault {
         let path = path.to_path_buf();
         match self {
             Self::Io(source) => VolumeIoError::File(FileError::Read { path, source }),
-            Self::Invalid(reason) => VolumeIoError::Invalid { path, reason },
-            Self::Unsupported(reason) => VolumeIoError::Unsupported { path, reason },
+            Self::Invalid(reason) => VolumeIoError::Invalid { path, reason: abridged(&reason) },
+            Self::Unsupported(reason) => VolumeIoError::Unsupported { path, reason: abridged(&reason) },
             Self::OverLimit(source) => VolumeIoError::File(FileError::OverLimit { path, source }),
         }
     }

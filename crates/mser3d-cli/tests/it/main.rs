@@ -7,7 +7,11 @@ mod common;
 mod corners;
 #[cfg(unix)]
 mod docs;
+#[cfg(unix)]
+mod every_command;
 mod failures;
+#[cfg(unix)]
+mod faults;
 #[cfg(unix)]
 mod kills;
 mod libraries;

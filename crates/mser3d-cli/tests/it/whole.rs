@@ -157,6 +157,37 @@ fn a_batch_does_what_is_damaged_again_and_says_so() {
 }
 
 #[test]
+fn matches_are_whole_and_verified() {
+    let root = tempfile::tempdir().unwrap();
+    let path = |name: &str| root.path().join(name);
+    for name in ["human_rest", "human_kick"] {
+        regions(&fixtures().join(name).with_extension("off"), &path(name), SMALL);
+    }
+    let run = |options: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_mser3d"));
+        command.arg("match").args([path("human_rest"), path("human_kick")]).arg("-o").arg(path("m"));
+        let output = command.args(options.split_whitespace()).output().unwrap();
+        assert!(output.status.success(), "{output:?}");
+    };
+    run("--html");
+    assert!(path("m/matches.html").is_file());
+    assert_eq!(text(&verify(&[&path("m")]).stdout), "1 result and 0 tables checked: nothing is wrong\n");
+    // A page of other matches goes.
+    run("--rule mutual");
+    let names: Vec<String> = contents(&path("m")).into_keys().collect();
+    assert_eq!(names, ["checksums.json", "matches.csv", "matches.json", "matches.png"]);
+    flip(&path("m/matches.csv"), 30);
+    says(&verify(&[&path("m")]), &["matches.csv", "damaged"]);
+    // Matches in the folder of a result leave it whole.
+    let mut all = Command::new(env!("CARGO_BIN_EXE_mser3d"));
+    all.arg("match").args([path("human_kick"), path("human_rest")]).arg("-o").arg(path("human_rest"));
+    assert!(all.output().unwrap().status.success());
+    assert!(verify(&[&path("human_rest")]).status.success());
+    regions(&fixtures().join("human_rest.off"), &path("human_rest"), SMALL);
+    assert!(verify(&[&path("human_rest")]).status.success() && path("human_rest/matches.json").is_file());
+}
+
+#[test]
 fn a_wrong_parameter_takes_no_good_result() {
     let root = tempfile::tempdir().unwrap();
     let all = root.path().join("all");
@@ -206,86 +237,6 @@ fn a_wrong_parameter_takes_no_good_result() {
     let found =
         mser3d(["query".as_ref(), all.as_os_str(), "human_walk".as_ref(), "--include-itself".as_ref()]);
     assert!(found.status.success() && !text(&found.stdout).contains("body"), "{found:?}");
-}
-
-#[test]
-fn a_full_disk_takes_no_good_result() {
-    let root = tempfile::tempdir().unwrap();
-    let path = |name: &str| root.path().join(name);
-    let mesh = fixtures().join("human_rest.off");
-    regions(&mesh, &path("detect"), SMALL);
-    let volume = path("grey.npy");
-    let inside = |x: usize, y: usize, z: usize| x.abs_diff(20).max(y.abs_diff(20)).max(z.abs_diff(20)) < 9;
-    fs::write(&volume, npy([40; 3], inside)).unwrap();
-    let msv = mser3d(["msv".as_ref(), volume.as_os_str(), "-o".as_ref(), path("msv").as_os_str()]);
-    assert!(msv.status.success(), "{msv:?}");
-    let view = mser3d(["view".as_ref(), path("detect").as_os_str()]);
-    assert!(view.status.success());
-    let before = contents(root.path());
-    let (mesh, volume) = (mesh.display(), volume.display());
-    let folder = |name: &str| path(name).display().to_string();
-    for blocks in [0, 8, 40] {
-        for arguments in [
-            format!("detect {mesh} -o {} --voxels 1600 --eigenpairs 20", folder("detect")),
-            format!("detect {mesh} -o {} --surface --eigenpairs 20", folder("detect")),
-            format!("detect {mesh} -o {} --voxels 1600 --eigenpairs 20", folder("new/result")),
-            format!("msv {volume} -o {} --delta 3", folder("msv")),
-            format!("view {}", folder("detect")),
-        ] {
-            let output = on_a_full_disk(blocks, &arguments);
-            says(&output, &["cannot be "]);
-            assert!(contents(root.path()) == before, "{arguments}: {:?}", contents(root.path()).keys());
-        }
-    }
-    assert!(!path("new").exists());
-    assert!(verify(&[&path("detect"), &path("msv")]).status.success());
-}
-
-/// The same on a disk that is really full, where the tests may mount one.
-#[test]
-fn a_full_tmpfs_takes_no_good_result() {
-    let root = tempfile::tempdir().unwrap();
-    let disk = root.path().join("disk");
-    fs::create_dir(&disk).unwrap();
-    let mount = Command::new("mount").args(["-t", "tmpfs", "-o", "size=3m", "tmpfs"]).arg(&disk).output();
-    if !mount.is_ok_and(|output| output.status.success()) {
-        eprintln!("skipped: no file system can be mounted here");
-        return;
-    }
-    let done = std::panic::catch_unwind(|| {
-        let mesh = fixtures().join("human_rest.off");
-        let (out, all) = (disk.join("out"), disk.join("all"));
-        regions(&mesh, &out, SMALL);
-        assert!(batch(&[&mesh], &all, SMALL).status.success());
-        let free = |leave: usize| {
-            let _ = fs::remove_file(disk.join("filler"));
-            let mut filler = File::create(disk.join("filler")).unwrap();
-            // As much as there is, then less again.
-            let written = std::io::copy(&mut std::io::repeat(1), &mut filler);
-            assert!(written.is_err());
-            let size = filler.metadata().unwrap().len();
-            filler.set_len(size.saturating_sub(leave as u64)).unwrap();
-        };
-        let before = (contents(&out), contents(&all.join("human_rest")));
-        for leave in [0, 50_000, 150_000] {
-            free(leave);
-            let output = detect(&mesh, &out, "--voxels 3000 --eigenpairs 20");
-            says(&output, &["No space left", "out"]);
-            let output = batch(&[&mesh], &all, "--voxels 3000 --eigenpairs 20");
-            says(&output, &["No space left"]);
-            let mut result = contents(&all.join("human_rest"));
-            result.remove("failure.json");
-            assert!((contents(&out), result) == before, "{leave}");
-        }
-        fs::remove_file(disk.join("filler")).unwrap();
-        assert!(verify(&[&out]).status.success());
-        assert!(batch(&[&mesh], &all, SMALL).status.success());
-        assert!(verify(&[&all]).status.success());
-    });
-    let _ = Command::new("umount").arg("-l").arg(&disk).status();
-    if let Err(why) = done {
-        std::panic::resume_unwind(why);
-    }
 }
 
 #[test]

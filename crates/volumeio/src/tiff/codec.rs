@@ -43,9 +43,10 @@ impl Codec {
     pub fn most(self, packed: u64, row: u64) -> u64 {
         match self {
             // A white row has one bit.
-            Self::Fax(_) => packed.saturating_mul(8).saturating_add(64).saturating_mul(row.min(1 << 20)),
-            // Deflate makes a thousand bytes of one, LZW less than three thousand.
-            _ => packed.saturating_add(4096).saturating_mul(4096),
+            Self::Fax(_) => packed.saturating_mul(8).saturating_add(64).saturating_mul(row),
+            Self::None => packed,
+            // Deflate makes a thousand bytes of one, LZW less than three thousand, PackBits 64.
+            Self::Lzw | Self::Deflate | Self::PackBits => packed.saturating_add(4096).saturating_mul(4096),
         }
     }
 

@@ -151,18 +151,20 @@ impl Page {
             let found = offsets.len().min(counts.len());
             return Err(Fault::invalid(format!("a page needs {pieces} strips or tiles, but has {found}")));
         }
-        let stored: u64 = counts.iter().fold(0u64, |sum, &n| sum.saturating_add(n));
-        let unit = self.unit();
-        let total = (self.width as u64)
-            .saturating_mul(self.height as u64)
-            .saturating_mul((self.samples * unit) as u64);
-        let line = (self.width as u64).saturating_mul((self.samples * unit) as u64);
-        if total > self.layout.codec.most(stored, line) {
+        // What a piece is said to have beyond the end of the file is not there.
+        let there = offsets.iter().zip(counts).map(|(&offset, &count)| count.min(source.left(offset)));
+        let stored = there.fold(0u64, |sum, n| sum.saturating_add(n));
+        let row = self.row_bytes(self.width, self.samples) as u64;
+        let promised = row.saturating_mul(self.height as u64);
+        if promised > self.layout.codec.most(stored, row) {
             return Err(Fault::invalid(format!(
-                "a page promises {total} bytes of values, but there are {stored}; copy or export the file again"
+                "a page promises {promised} bytes of values, but there are {stored}; copy or export the file again"
             )));
         }
-        let mut out = vec![0u8; total as usize];
+        let unit = self.unit();
+        let values = self.width.checked_mul(self.height).and_then(|n| n.checked_mul(self.samples * unit));
+        let total = values.ok_or_else(|| Fault::invalid("a page is larger than any memory"))?;
+        let mut out = vec![0u8; total];
         for plane in 0..planes {
             for row in 0..rows {
                 for column in 0..columns {

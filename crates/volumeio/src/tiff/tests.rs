@@ -264,9 +264,9 @@ fn what_is_not_read_says_why() {
         (short(262, 6), "YCbCr"),
         (short(339, 6), "complex"),
         (short(317, 9), "predictor 9"),
-        (short(258, 16), "holds 6 of 12 bytes"),
+        (short(258, 16), "promises 12 bytes of values, but there are 6"),
         (short(256, 0), "no width"),
-        ((256, 4, 2_000_000u32.to_le_bytes().to_vec()), "holds 6 of"),
+        ((256, 4, 2_000_000u32.to_le_bytes().to_vec()), "promises 4000000 bytes"),
         ((256, 4, 200_000_000u32.to_le_bytes().to_vec()), "promises"),
     ] {
         let message = with(entry);

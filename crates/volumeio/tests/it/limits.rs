@@ -189,6 +189,22 @@ fn what_goes_on_behind_the_values_comes_to_an_end() {
 }
 
 #[test]
+fn a_page_is_no_larger_than_what_is_there() {
+    // Its strip is said to hold 4 GB: no memory is taken for what the file does not have.
+    let entry = |tag: u16, value: u32| {
+        [&tag.to_le_bytes()[..], &4u16.to_le_bytes(), &1u32.to_le_bytes(), &value.to_le_bytes()].concat()
+    };
+    for method in [1, 5, 8, 32773] {
+        let mut bytes = tiff(1, [60_000, 60_000], method, &[7; 1000]);
+        let [old, new] = [entry(279, 1000), entry(279, u32::MAX)];
+        let at = bytes.windows(12).position(|window| window == old).unwrap();
+        bytes[at..at + 12].copy_from_slice(&new);
+        let error = read("a.tif", &bytes, &ReadLimits::default()).unwrap_err().to_string();
+        assert!(error.contains("promises 3600000000 bytes of values, but there are 1"), "{method}: {error}");
+    }
+}
+
+#[test]
 fn directories_that_share_their_bytes_do_not_fill_the_memory() {
     // 2000 pages, each with the whole of a file of 4 MB as the list of its strips: 8 GB.
     let strip = vec![0; 4_000_000];
