@@ -74,6 +74,12 @@ impl Page {
         if matches!(layout.codec, Codec::Fax(_)) && (bits, samples) != (1, 1) {
             return Err(Fault::invalid("packed as fax, but its pixels are not of one bit"));
         }
+        if layout.predictor != 1 && !matches!(bits, 8 | 16 | 32 | 64) {
+            let predictor = layout.predictor;
+            return Err(Fault::unsupported(format!(
+                "predictor {predictor} of numbers of {bits} bits; export 8, 16 or 32 bits, or without compression"
+            )));
+        }
         let extra = list(338).unwrap_or_default();
         let photometric = number(262, 1);
         if matches!(photometric, 6 | 32844 | 32845) {

@@ -272,6 +272,12 @@ fn what_is_not_read_says_why() {
         let message = with(entry);
         assert!(message.contains(says), "{message}");
     }
+    // Numbers that end within a byte.
+    for predictor in [2, 3] {
+        let mut entries = page(4, 1, 14, &[0; 7]);
+        entries.push(short(317, predictor));
+        assert!(refused(&[entries]).contains("of numbers of 14 bits"));
+    }
     assert!(read(Cursor::new(b"GIF89a.."), &ReadLimits::default()).is_err());
     // A page that is its own successor.
     let mut bytes = file(&[page(1, 1, 8, &[0])]);
