@@ -90,10 +90,9 @@ impl<'a> PlacedSurface<'a> {
             *place -= if crossing.entering() { contact } else { 0.0 };
         }
         passed.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let mut state = match &self.holes {
-            Some(holes) if holes.is_marked(voxel) => state.corrected(holes, voxel).0,
-            _ => state.clone(),
-        };
+        let holes = self.holes.as_ref().and_then(|holes| Some((holes, holes.place(voxel)?)));
+        let mut state =
+            holes.map_or_else(|| state.clone(), |(holes, place)| state.corrected(holes, place, voxel).0);
         passed.pop();
         passed.iter().any(|&(_, crossing)| {
             state.cross(crossing);

@@ -39,7 +39,7 @@ const CROSSING: f64 = 3.5e-8;
 /// Seconds a voxel of the box: its bits, four at a time.
 const VOXEL: f64 = 7e-10;
 /// Seconds a solid angle of a triangle seen from a voxel.
-const SOLID_ANGLE: f64 = 2e-8;
+const SOLID_ANGLE: f64 = 7e-9;
 /// Seconds a diagonal segment, ten for each voxel inside.
 const SEGMENT: f64 = 1e-6;
 

@@ -86,9 +86,9 @@ impl<'a> RunningWinding<'a> {
         self.rule != InsideRule::Parity && self.total >= 2
     }
 
-    /// The state at a marked voxel, where holes matter: each open shell's integer, less what its caps add.
+    /// The state at a voxel of the marked block at `place`, where holes matter: each open shell's integer, less what its caps add.
     /// Also whether some winding number is too close to call.
-    pub fn corrected(&self, holes: &HoleCorrections, voxel: [usize; 3]) -> (Self, bool) {
+    pub fn corrected(&self, holes: &HoleCorrections, place: usize, voxel: [usize; 3]) -> (Self, bool) {
         let mut state = self.clone();
         let mut unclear = false;
         let mut round = |winding: f64| {
@@ -96,7 +96,7 @@ impl<'a> RunningWinding<'a> {
             (winding - 0.5).ceil() as i32
         };
         if state.rule == InsideRule::Shells {
-            for (shell, correction) in holes.corrections(voxel) {
+            for (shell, correction) in holes.corrections(place, voxel) {
                 let integer = state.shells.iter().find(|b| b.0 == shell).map_or(0, |b| b.1);
                 let step = round(f64::from(integer) + correction) - integer;
                 if step != 0 {
@@ -105,7 +105,7 @@ impl<'a> RunningWinding<'a> {
                 }
             }
         } else {
-            let correction: f64 = holes.corrections(voxel).map(|c| c.1).sum();
+            let correction: f64 = holes.corrections(place, voxel).map(|c| c.1).sum();
             state.total = round(f64::from(self.total) + correction);
         }
         (state, unclear)

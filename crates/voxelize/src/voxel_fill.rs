@@ -5,7 +5,6 @@ use crate::axis_sweep::{AxisSweep, SlabLines};
 use crate::cancel::Stop;
 use crate::centre_lattice::CentreLattice;
 use crate::error::VoxelizeError;
-use crate::hole_corrections::BLOCK;
 use crate::inside_rule::{InsideRule, RunningWinding};
 use crate::inside_test::InsideTest;
 use crate::placed_surface::PlacedSurface;
@@ -132,33 +131,28 @@ impl<'a> PlacedSurface<'a> {
         row: &mut [u64],
         tally: &mut Tally,
     ) {
-        let Some(holes) = &self.holes else {
-            if state.inside() {
-                fill(row, run.clone());
+        let (inside, doubled) = (state.inside(), state.doubled());
+        let plain = |run: Range<usize>, row: &mut [u64], tally: &mut Tally| {
+            tally.doubled += if doubled { run.len() } else { 0 };
+            if inside {
+                fill(row, run);
             }
-            tally.doubled += if state.doubled() { run.len() } else { 0 };
-            return;
         };
+        let Some(holes) = &self.holes else { return plain(run, row, tally) };
         let mut from = run.start;
-        while from < run.end {
-            let to = ((from / BLOCK + 1) * BLOCK).min(run.end);
-            if !holes.is_marked([from, j, k]) {
+        for (place, voxels) in holes.along(run.clone(), [j, k]) {
+            plain(from..voxels.start, row, tally);
+            from = voxels.end;
+            for i in voxels {
+                let (state, unclear) = state.corrected(holes, place, [i, j, k]);
                 if state.inside() {
-                    fill(row, from..to);
+                    fill(row, i..i + 1);
                 }
-                tally.doubled += if state.doubled() { to - from } else { 0 };
-            } else {
-                for i in from..to {
-                    let (state, unclear) = state.corrected(holes, [i, j, k]);
-                    if state.inside() {
-                        fill(row, i..i + 1);
-                    }
-                    tally.doubled += usize::from(state.doubled());
-                    tally.ambiguous += usize::from(unclear);
-                }
+                tally.doubled += usize::from(state.doubled());
+                tally.ambiguous += usize::from(unclear);
             }
-            from = to;
         }
+        plain(from..run.end, row, tally);
     }
 }
 

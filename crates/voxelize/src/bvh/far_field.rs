@@ -15,13 +15,13 @@ pub(super) struct Expansion {
     /// Square of the distance from which the expansion holds.
     pub far: f64,
     /// sum A n
-    dipole: Vec3,
+    pub dipole: Vec3,
     /// The symmetric part of sum A n_i d_j: xx, yy, zz, xy, yz, zx.
-    linear: [f64; 6],
+    pub linear: [f64; 6],
     /// 2 sum_i M_iik + sum_i M_kii of M_ijk = sum A n_i d_j d_k
-    trace: Vec3,
+    pub trace: Vec3,
     /// The coefficients of sum_ijk M_ijk x_i x_j x_k: xxx, yyy, zzz, xxy, xxz, yyx, yyz, zzx, zzy, xyz.
-    cubic: [f64; 10],
+    pub cubic: [f64; 10],
 }
 
 /// The moments of a set of triangles around a point.

@@ -1,6 +1,7 @@
 //! A hierarchy of boxes over triangles: rays in any direction, nearest points, and the fast winding number.
 
 mod build;
+mod columns;
 mod far_field;
 mod nearest;
 mod rays;
@@ -10,6 +11,7 @@ mod winding;
 pub use nearest::NearestPoint;
 pub use rays::Hit;
 pub use winding::WindingTree;
+pub(crate) use winding::{COARSE_ERROR, NEGLIGIBLE};
 
 use mser3d_shape::BoundingBox;
 use mser3d_shape::vector::Vec3;

@@ -58,7 +58,7 @@ impl Bvh {
 
 /// The nearest point of a triangle, by the region of the plane that the query projects to
 /// (Ericson, *Real-Time Collision Detection*, 5.1.5).
-fn nearest_on_triangle(&[a, b, c]: &[Vec3; 3], p: Vec3) -> Vec3 {
+pub(super) fn nearest_on_triangle(&[a, b, c]: &[Vec3; 3], p: Vec3) -> Vec3 {
     let (ab, ac, ap) = (sub(b, a), sub(c, a), sub(p, a));
     let (d1, d2) = (dot(ab, ap), dot(ac, ap));
     if d1 <= 0.0 && d2 <= 0.0 {

@@ -1,11 +1,13 @@
 //! The generalized winding number of any set of triangles in O(log n) a point: G. Barill, N. Dickson,
 //! R. Schmidt, D. Levin and A. Jacobson, *Fast winding numbers for soups and clouds*, 2018.
 
+use super::columns::Columns;
 use super::far_field::{ACCURACY, Expansion, Moments};
+use super::nearest::nearest_on_triangle;
 use super::stack::Stack;
 use super::{Bvh, distance_squared};
 use crate::predicates::side;
-use crate::triangle_geometry::solid_angle;
+use crate::triangle_geometry::{area_vector, solid_angle};
 use mser3d_shape::vector::{Vec3, cross, dot, norm, sub};
 use mser3d_shape::{BoundingBox, TriangleMesh};
 use std::f64::consts::PI;
@@ -33,11 +35,11 @@ pub struct WindingTree {
     areas: Vec<f64>,
 }
 
-/// A node whose part of the winding number changes by less is taken as constant.
-const NEGLIGIBLE: f64 = 5e-5;
+/// A node whose part of the winding number changes by less is taken as constant: for values, and to find out roughly whether they matter.
+pub(crate) const NEGLIGIBLE: [f64; 2] = [5e-5, 8e-3];
 
 /// The most that winding numbers of a whole block are off by.
-const COARSE_ERROR: f64 = 5e-3;
+pub(crate) const COARSE_ERROR: f64 = 5e-3;
 /// How much farther away expansions begin where more precision is needed; their error falls with the cube.
 const FINER: f64 = 4.0;
 /// The most that those are off by.
@@ -125,11 +127,16 @@ impl WindingTree {
         if (exact - half(exact)).abs() > ROUNDING { exact } else { half(exact) }
     }
 
-    /// The winding number at points of a box, as [`Self::winding_number`] but for 1e-3: what hardly changes
-    /// over the box is summed once, and what changes almost linearly is interpolated between its corners.
-    pub(crate) fn winding_numbers(&self, target: &BoundingBox, points: &[Vec3]) -> Vec<f64> {
+    /// The winding number at points of a box, as [`Self::winding_number`] but for an error, and a bound of that: what changes by less
+    /// than `negligible` over the box is summed once, and what is so nearly linear is interpolated between its corners.
+    pub(crate) fn winding_numbers<const N: usize>(
+        &self,
+        target: &BoundingBox,
+        points: &[Vec3; N],
+        negligible: f64,
+    ) -> ([f64; N], f64) {
         if self.bvh.is_empty() {
-            return vec![0.0; points.len()];
+            return ([0.0; N], 0.0);
         }
         let extent = target.extent();
         let centre: Vec3 = std::array::from_fn(|a| target.min[a] + 0.5 * extent[a]);
@@ -138,7 +145,7 @@ impl WindingTree {
         let corners: [Vec3; 8] = std::array::from_fn(|c| {
             std::array::from_fn(|a| if c >> a & 1 == 1 { target.max[a] } else { target.min[a] })
         });
-        let (mut common, mut at_corners) = (0.0, [0.0; 8]);
+        let (mut common, mut at_corners, mut error) = (0.0, [0.0; 8], 0.0);
         let (mut own, mut stack) = (Vec::new(), Stack::new());
         while let Some(i) = stack.pop() {
             let expansion = &self.expansions[i];
@@ -150,9 +157,13 @@ impl WindingTree {
                 // second derivatives along three axes are together at most 12 times that over its fourth
                 // power.
                 let (distance, angle) = (gap - size, self.areas[i] / (4.0 * PI));
-                if 2.0 * angle * radius < NEGLIGIBLE * distance.powi(3) {
+                let constant = 2.0 * angle * radius / distance.powi(3);
+                let linear = 12.0 / 8.0 * angle * longest * longest / distance.powi(4);
+                if constant < negligible {
+                    error += constant;
                     common += expansion.evaluate(x);
-                } else if 12.0 / 8.0 * angle * longest * longest < NEGLIGIBLE * distance.powi(4) {
+                } else if linear < negligible {
+                    error += linear;
                     for (value, corner) in at_corners.iter_mut().zip(&corners) {
                         *value += expansion.evaluate(sub(expansion.centre, *corner));
                     }
@@ -166,18 +177,29 @@ impl WindingTree {
                 stack.push(i + 1);
             }
         }
-        let at =
-            |p: &Vec3| {
-                let place: Vec3 = std::array::from_fn(|a| {
-                    if extent[a] > 0.0 { (p[a] - target.min[a]) / extent[a] } else { 0.0 }
-                });
-                let weight = |c: usize| -> f64 {
-                    (0..3).map(|a| if c >> a & 1 == 1 { place[a] } else { 1.0 - place[a] }).product()
-                };
-                let linear: f64 = (0..8).map(|c| weight(c) * at_corners[c]).sum();
-                common + linear + own.iter().map(|&i| self.of_node(i, *p)).sum::<f64>()
-            };
-        points.iter().map(at).collect()
+        let far = |&i: &usize| self.is_far(i, target);
+        let expansions: Vec<&Expansion> =
+            own.iter().filter(|i| far(i)).map(|&i| &self.expansions[i]).collect();
+        let leaves: Vec<&[[Vec3; 3]]> = own.iter().filter(|i| !far(i)).map(|&i| self.leaf(i)).collect();
+        let mut columns = Columns::of(points);
+        columns.add(&expansions, &leaves);
+        let linear = at_corners != [0.0; 8];
+        for (sum, point) in columns.sums.iter_mut().zip(points) {
+            *sum += common + if linear { trilinear(target, &at_corners, *point) } else { 0.0 };
+        }
+        (columns.sums, error)
+    }
+
+    /// Whether the expansion of a node holds all over a box.
+    fn is_far(&self, i: usize, target: &BoundingBox) -> bool {
+        let centre: Vec3 = std::array::from_fn(|a| 0.5 * (target.min[a] + target.max[a]));
+        let gap = norm(sub(self.expansions[i].centre, centre)) - 0.5 * target.diagonal();
+        gap > 0.0 && gap * gap > self.expansions[i].far
+    }
+
+    fn leaf(&self, i: usize) -> &[[Vec3; 3]] {
+        let (start, count) = (self.bvh.nodes[i].first as usize, self.bvh.nodes[i].count as usize);
+        &self.bvh.corners[start..start + count]
     }
 
     /// About how many solid angles a point of a box takes in [`Self::winding_numbers`].
@@ -196,7 +218,8 @@ impl WindingTree {
             if gap > ACCURACY * size {
                 let (distance, angle) = (gap - size, self.areas[i] / (4.0 * PI));
                 // Interpolated from the corners of the block, an eighth of its points, or evaluated at each.
-                work += if angle * 2.0 * radius * radius < NEGLIGIBLE * distance.powi(4) { 0.1 } else { 1.0 };
+                work +=
+                    if angle * 2.0 * radius * radius < NEGLIGIBLE[0] * distance.powi(4) { 0.1 } else { 1.0 };
             } else if node.count > 0 {
                 let near = dot(sub(expansion.centre, centre), sub(expansion.centre, centre)) < expansion.far;
                 work += if near { f64::from(node.count) } else { 1.0 };
@@ -208,20 +231,9 @@ impl WindingTree {
         work
     }
 
-    /// What a leaf, or a node far away, adds to the winding number.
-    #[inline]
-    fn of_node(&self, i: usize, point: Vec3) -> f64 {
-        let x = sub(self.expansions[i].centre, point);
-        if dot(x, x) > self.expansions[i].far {
-            return self.expansions[i].evaluate(x);
-        }
-        self.of_leaf(i, point)
-    }
-
     /// What the triangles of a leaf add, one by one.
     fn of_leaf(&self, i: usize, point: Vec3) -> f64 {
-        let (start, count) = (self.bvh.nodes[i].first as usize, self.bvh.nodes[i].count as usize);
-        sum_of_solid_angles(&self.bvh.corners[start..start + count], point)
+        sum_of_solid_angles(self.leaf(i), point)
     }
 
     /// Whether the winding number stays below `bound` in absolute value all over a box: `true` is certain.
@@ -243,8 +255,17 @@ impl WindingTree {
                 stack.push(node.first as usize);
                 stack.push(i + 1);
             } else {
-                // No triangle takes up more than half of all directions.
-                certain += angle.min(0.5 * f64::from(node.count));
+                // Each by its own distance. None takes up more than half of all directions.
+                certain += angle.min(
+                    self.leaf(i)
+                        .iter()
+                        .map(|triangle| {
+                            let gap =
+                                (norm(sub(nearest_on_triangle(triangle, middle), middle)) - reach).max(0.0);
+                            (norm(area_vector(triangle)) / (4.0 * PI * gap * gap)).min(0.5)
+                        })
+                        .sum(),
+                );
             }
             if certain >= bound {
                 return false;
@@ -252,6 +273,18 @@ impl WindingTree {
         }
         true
     }
+}
+
+/// What is linear along each axis of a box, from its values at the corners.
+fn trilinear(target: &BoundingBox, at_corners: &[f64; 8], p: Vec3) -> f64 {
+    let place: Vec3 = std::array::from_fn(|a| {
+        let extent = target.max[a] - target.min[a];
+        if extent > 0.0 { (p[a] - target.min[a]) / extent } else { 0.0 }
+    });
+    // Along x, then y, then z.
+    let between = |low: f64, high: f64, a: usize| low + place[a] * (high - low);
+    let along_x: [f64; 4] = std::array::from_fn(|c| between(at_corners[2 * c], at_corners[2 * c + 1], 0));
+    between(between(along_x[0], along_x[1], 1), between(along_x[2], along_x[3], 1), 2)
 }
 
 /// The half nearest to a number: an integer and a half.
@@ -263,7 +296,7 @@ fn half(x: f64) -> f64 {
 /// The solid angles of some triangles over 4 pi. The half angles are the arguments of complex numbers: these are
 /// multiplied, and the turns counted, so that one arc tangent serves all.
 #[inline]
-fn sum_of_solid_angles(triangles: &[[Vec3; 3]], point: Vec3) -> f64 {
+pub(super) fn sum_of_solid_angles(triangles: &[[Vec3; 3]], point: Vec3) -> f64 {
     let (mut re, mut im, mut turns, mut on_planes) = (1.0, 0.0, 0i32, 0.0);
     for triangle in triangles {
         let [a, b, c] = triangle.map(|p| sub(p, point));

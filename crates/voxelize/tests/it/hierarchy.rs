@@ -119,6 +119,39 @@ fn winding_numbers_of_an_open_soup_are_sums_over_triangles() {
     assert_eq!(cube.winding_number([1.0, 0.4, 0.3]).round(), 0.0);
 }
 
+#[test]
+fn voxels_of_open_meshes_are_those_of_the_sum_over_all_triangles() {
+    let figure = moved(&sphere([0.0; 3], 1.0, 4), |p| {
+        let reach = 1.0 + 160.0 * (p[0] * p[1] * p[2]).powi(2);
+        p.map(|x| x * reach * 0.5 + 0.01)
+    });
+    for (seed, share) in [(1, 0.01), (2, 0.05), (3, 0.1)] {
+        let mut random = Random(seed);
+        let mesh = altered(&figure, |_, t| (random.next() > share).then_some(t));
+        let parameters = VoxelizeParameters { pitch: Pitch::Resolution(45), ..Default::default() };
+        let (frame, bits) = inside(&mesh, &parameters).unwrap();
+        let [nx, ny, nz] = frame.dims().map(|n| n as u32);
+        let tree = WindingTree::new(&mesh);
+        let (mut clear, mut near_holes) = (0, 0);
+        for [i, j, k] in (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k]))) {
+            let centre = frame.centre([i, j, k]);
+            // Far from the holes an approximation decides.
+            let rough = tree.winding_number(centre);
+            if (rough - rough.round()).abs() < 0.05 && (rough - 0.5).abs() > 0.4 {
+                assert_eq!(bits.get([i, j, k]), rough > 0.5, "{i} {j} {k}: {rough}");
+                continue;
+            }
+            let exact: f64 = (0..mesh.triangles().len()).map(|t| solid_angle(&mesh.corners(t), centre)).sum();
+            near_holes += 1;
+            if (exact - 0.5).abs() > 1e-3 && exact < 1.5 - 1e-3 {
+                clear += 1;
+                assert_eq!(bits.get([i, j, k]), exact > 0.5, "{share}: {i} {j} {k}: {exact}");
+            }
+        }
+        assert!(clear > 100 && clear > near_holes * 9 / 10, "{clear} of {near_holes}");
+    }
+}
+
 /// Van Oosterom and Strackee's formula, over 4 pi.
 fn solid_angle(corners: &[Vec3; 3], p: Vec3) -> f64 {
     let [a, b, c] = corners.map(|q| std::array::from_fn::<f64, 3, _>(|i| q[i] - p[i]));
