@@ -125,9 +125,9 @@ fn voxels_of_open_meshes_are_those_of_the_sum_over_all_triangles() {
         let reach = 1.0 + 160.0 * (p[0] * p[1] * p[2]).powi(2);
         p.map(|x| x * reach * 0.5 + 0.01)
     });
-    for (seed, share) in [(1, 0.01), (2, 0.05), (3, 0.1)] {
-        let mut random = Random(seed);
-        let mesh = altered(&figure, |_, t| (random.next() > share).then_some(t));
+    // Each hole by itself: what comes off is a shell of its own, with an inside of its own.
+    for every in [101, 43, 23] {
+        let mesh = altered(&figure, |number, t| (number % every != 0).then_some(t));
         let parameters = VoxelizeParameters { pitch: Pitch::Resolution(45), ..Default::default() };
         let (frame, bits) = inside(&mesh, &parameters).unwrap();
         let [nx, ny, nz] = frame.dims().map(|n| n as u32);
@@ -145,7 +145,7 @@ fn voxels_of_open_meshes_are_those_of_the_sum_over_all_triangles() {
             near_holes += 1;
             if (exact - 0.5).abs() > 1e-3 && exact < 1.5 - 1e-3 {
                 clear += 1;
-                assert_eq!(bits.get([i, j, k]), exact > 0.5, "{share}: {i} {j} {k}: {exact}");
+                assert_eq!(bits.get([i, j, k]), exact > 0.5, "{every}: {i} {j} {k}: {exact}");
             }
         }
         assert!(clear > 100 && clear > near_holes * 9 / 10, "{clear} of {near_holes}");
