@@ -2,6 +2,7 @@
 
 use std::io::Write;
 
+use mser3d_fileio::ReadLimits;
 use mser3d_volumeio::{BodyParameters, LoadedVolume, ValueCounts, read_volume};
 
 use crate::scratch::{check_message, file};
@@ -42,7 +43,9 @@ pub fn run<const FORMAT: usize>(input: &[u8]) {
         &packed_bytes[..]
     };
     let path = file(&format!("volume.{ending}"), bytes);
-    match read_volume(&path, &Default::default()) {
+    // Most of what is declared in so few bytes is more than this.
+    let limits = ReadLimits { memory: 1 << 30, ..ReadLimits::default() };
+    match read_volume(&path, &limits) {
         Ok(loaded) => check(&loaded),
         Err(error) => check_message(&error.to_string(), "volume."),
     }

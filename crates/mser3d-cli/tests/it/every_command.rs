@@ -68,7 +68,7 @@ pub const VOXELIZE: Case = Case {
     command: "voxelize",
     before: |out| through("voxelize %human_rest.off -o @m.nii.gz --voxels 1000", out),
     line: "%human_rest.off -o @m.nii.gz",
-    long: "--voxels 3000000",
+    long: "--voxels 20000000",
     short: "--voxels 100000",
 };
 

@@ -200,6 +200,9 @@ fn under_nohup_a_closed_terminal_is_ignored() {
     let mesh = fs::read(fixtures().join("human_rest.off")).unwrap();
     child.stdin.take().unwrap().write_all(&mesh).unwrap();
     assert_eq!(end(child).1, Some(0));
+    if ignores(1) {
+        return eprintln!("skipped: SIGHUP is ignored where the tests run");
+    }
     let child = waiting();
     send("-HUP", &child);
     let (_, code, said) = end(child);

@@ -3,14 +3,12 @@ use crate::error::Fault;
 use fax::decoder::{DecodeStatus, Group3Decoder, Group4Decoder};
 use std::convert::Infallible;
 
-/// No machine has rows of so many pixels; a row takes one bit at least, so that a short file could declare any number.
-const WIDEST: u32 = 1 << 22;
+/// No machine has rows of more pixels. A row may take a single bit, so a short file could declare any number.
+pub(super) const WIDEST: usize = 1 << 17;
 
 /// Rows of bits, the first pixel highest; 1 is black.
 pub(super) fn unpack(group: u8, packed: &[u8], [width, rows]: [usize; 2]) -> Result<Vec<u8>, Fault> {
-    let columns = u32::try_from(width).ok().filter(|&columns| columns <= WIDEST);
-    let columns =
-        columns.ok_or_else(|| Fault::invalid(format!("a row of {width} pixels is too wide for fax")))?;
+    let columns = u32::try_from(width).map_err(|_| Fault::invalid("a page is too wide for fax"))?;
     let damaged = |row: usize| Fault::invalid(format!("damaged data: row {} of {rows} is no fax", row + 1));
     let bytes = |packed: Vec<u8>| packed.into_iter().map(Ok::<u8, Infallible>);
     let mut out = vec![0; width.div_ceil(8).saturating_mul(rows)];

@@ -1,6 +1,7 @@
 //! The values of one page: strips or tiles, unpacked and put together.
 use super::codec::{Codec, undo_differences};
 use super::directory::{Directory, Source};
+use super::fax::WIDEST;
 use super::layout::{Layout, spread};
 use crate::Samples;
 use crate::error::Fault;
@@ -71,8 +72,14 @@ impl Page {
             )));
         }
         let layout = Layout::of(source, directory, width, height, samples)?;
-        if matches!(layout.codec, Codec::Fax(_)) && (bits, samples) != (1, 1) {
-            return Err(Fault::invalid("packed as fax, but its pixels are not of one bit"));
+        if matches!(layout.codec, Codec::Fax(_)) {
+            if (bits, samples) != (1, 1) {
+                return Err(Fault::invalid("packed as fax, but its pixels are not of one bit"));
+            }
+            let widest = width.max(layout.piece[0]);
+            if widest > WIDEST {
+                return Err(Fault::invalid(format!("a row of {widest} pixels is too wide for fax")));
+            }
         }
         if layout.predictor != 1 && !matches!(bits, 8 | 16 | 32 | 64) {
             let predictor = layout.predictor;

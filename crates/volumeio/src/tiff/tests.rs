@@ -115,7 +115,10 @@ fn fax_is_read_in_both_groups() {
         let wanted = vec![0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0];
         assert_eq!(*loaded.volume.samples(), Samples::U8(wanted), "method {method}");
         entries[4] = (273, 0, data[..1].to_vec());
-        assert!(refused(&[entries]).contains("is no fax"));
+        assert!(refused(&[entries.clone()]).contains("is no fax"));
+        // Gigabytes of white in a few bytes.
+        entries[0] = (256, 4, 2_013_265_921u32.to_le_bytes().to_vec());
+        assert!(refused(&[entries]).contains("a row of 2013265921 pixels is too wide for fax"));
     }
 }
 
