@@ -13,8 +13,8 @@ use std::ops::Range;
 ///
 /// A shell and its caps form a closed chain of integer winding number n, so the shell alone has
 /// `w = n - w(caps)`, exactly. The caps are few, and only near holes can they move w across 1/2: all
-/// over a block of voxels where a bound certifies |w(caps)| < 1/2 - `UNCLEAR`, n decides. In the other blocks
-/// w(caps) is evaluated once for each voxel.
+/// over a block of voxels where a bound certifies |w(caps)| < 1/2 - `UNCLEAR`, n decides; cubes of blocks are tried first. In the
+/// other blocks w(caps) is evaluated roughly for each voxel, with a bound of its error, and precisely where that leaves a doubt.
 pub(crate) struct HoleCorrections {
     /// The open shells.
     shells: Vec<u32>,
