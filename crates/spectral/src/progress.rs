@@ -36,17 +36,19 @@ impl<'a> Heard<'a> {
         Self { progress, before: AtomicU64::new(0), most: AtomicU64::new(0) }
     }
 
-    /// Solves the next component, which is this share of all work.
+    /// Solves the next component, which is this share of all work; on one of rayon's threads. From outside, each of thousands of
+    /// short loops would be handed over to them and waited for, which costs two wake-ups: a sixth of the time at 45,000 voxels.
     pub fn next(
         &self,
         part: f64,
-        solve: impl FnOnce(&(dyn Fn(f64) -> ControlFlow<()> + Sync)) -> Result<Spectrum, SpectralError>,
+        solve: impl FnOnce(&(dyn Fn(f64) -> ControlFlow<()> + Sync)) -> Result<Spectrum, SpectralError> + Send,
     ) -> Result<Spectrum, SpectralError> {
         let before = f64::from_bits(self.before.load(Ordering::Relaxed));
-        let spectrum = solve(&|share| {
+        let tell = |share: f64| {
             let all = (before + part * share).clamp(0.0, ALMOST).to_bits();
             (self.progress)(f64::from_bits(self.most.fetch_max(all, Ordering::Relaxed).max(all)))
-        })?;
+        };
+        let spectrum = rayon::scope(|_| solve(&tell))?;
         self.before.store((before + part).to_bits(), Ordering::Relaxed);
         Ok(spectrum)
     }
