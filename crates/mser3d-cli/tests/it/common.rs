@@ -54,6 +54,14 @@ pub fn assert_fails(output: &Output, code: i32, words: &[&str]) {
     }
 }
 
+/// Whether the tests run where Ctrl-C is ignored, as in scripts with `&`: then what they start ignores it too.
+#[cfg(unix)]
+pub fn ignores(signal: u32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    u64::from_str_radix(mask.unwrap_or("0").trim(), 16).unwrap() >> (signal - 1) & 1 == 1
+}
+
 /// A box as OFF.
 pub fn box_off(low: [f64; 3], high: [f64; 3]) -> String {
     let mut text = String::from("OFF\n8 12 0\n");

@@ -11,18 +11,11 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::common::fixtures;
+use crate::common::{fixtures, ignores};
 use crate::every_command::*;
 
 fn send(signal: &str, child: &Child) {
     assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
-}
-
-/// Whether the tests run where Ctrl-C is ignored, as in scripts with `&`: then what they start ignores it too.
-fn ignores(signal: u32) -> bool {
-    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
-    u64::from_str_radix(mask.unwrap_or("0").trim(), 16).unwrap() >> (signal - 1) & 1 == 1
 }
 
 /// Seconds in which a process ended that was told to, and its code; killed and reported if it takes too long.
