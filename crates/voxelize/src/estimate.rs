@@ -17,8 +17,8 @@ use mser3d_shape::{Connectivity, TriangleMesh};
 /// and, where there are holes, the solid angles that winding numbers take, counted on a sample of the box.
 /// Its constants were fitted to the processor time of a release build with one thread on a server's core, for
 /// eleven shapes of 12 to 27,000 triangles (plates, bodies, two far balls, a tangle of tetrahedra), each closed,
-/// with 5 % of its triangles missing, and cut in half, at 45,000 and 300,000 voxels. They are within a factor of 2
-/// of all of these.
+/// with 5 % of its triangles missing, and cut in half, at 45,000 and 300,000 voxels; those of triangles and solid angles again for
+/// five (ball, figure with limbs, plate, torus, person), of 12 to 33,000 triangles. They are within a factor of 2 of all of these five.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -33,13 +33,13 @@ pub struct Cost {
 }
 
 /// Seconds a triangle: edges, orientation, shells.
-const TRIANGLE: f64 = 3e-7;
+const TRIANGLE: f64 = 2.5e-7;
 /// Seconds a crossing of a grid line with the surface.
 const CROSSING: f64 = 3.5e-8;
 /// Seconds a voxel of the box: its bits, four at a time.
 const VOXEL: f64 = 7e-10;
 /// Seconds a solid angle of a triangle seen from a voxel.
-const SOLID_ANGLE: f64 = 7e-9;
+const SOLID_ANGLE: f64 = 3e-9;
 /// Seconds a diagonal segment, ten for each voxel inside.
 const SEGMENT: f64 = 1e-6;
 

@@ -1,6 +1,6 @@
 //! The winding number of open shells: an integer that columns give, less that of the caps.
 
-use crate::bvh::{COARSE_ERROR, NEGLIGIBLE, WindingTree};
+use crate::bvh::{COARSE_ERROR, NEGLIGIBLE, ROUGHLY_NEGLIGIBLE, WindingTree};
 use crate::cancel::Stop;
 use crate::centre_lattice::CentreLattice;
 use crate::surface::Surface;
@@ -70,7 +70,7 @@ impl HoleCorrections {
             let target = bounds(lattice, block, block);
             // Roughly first: most matter nowhere.
             let small = |part: &Part| {
-                let (found, error) = part.tree.winding_numbers(&target, &points, NEGLIGIBLE[1]);
+                let (found, error) = part.tree.winding_numbers(&target, &points, ROUGHLY_NEGLIGIBLE);
                 found.into_iter().all(|w| w.abs() + error < bound)
             };
             if stop.now() || parts.iter().all(small) {
@@ -133,7 +133,7 @@ impl HoleCorrections {
 impl Part {
     /// The values at a block's voxels.
     fn evaluate(&self, target: &BoundingBox, points: &[Vec3; VOLUME], values: &mut [i16]) {
-        let (found, _) = self.tree.winding_numbers(target, points, NEGLIGIBLE[0]);
+        let (found, _) = self.tree.winding_numbers(target, points, NEGLIGIBLE);
         // Where they are a half all over, as in a soup, no precision makes a surface of them.
         let plateau = found.iter().filter(|w| WindingTree::is_close(**w)).count() > PLATEAU;
         for ((value, &winding), &point) in values.iter_mut().zip(&found).zip(points) {

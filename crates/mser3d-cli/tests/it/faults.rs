@@ -62,9 +62,9 @@ impl Trial {
         at
     }
 
-    /// Writes of the command itself where there are any.
+    /// Whether the command writes: `inspect` only prints.
     fn writes(&self) -> bool {
-        self.case.line.contains("-o ") || self.case.line.contains("--html")
+        self.case.command != "inspect"
     }
 
     /// The words for this output, and the inputs among them, which are copies that may be harmed.

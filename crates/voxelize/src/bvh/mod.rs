@@ -11,7 +11,7 @@ mod winding;
 pub use nearest::NearestPoint;
 pub use rays::Hit;
 pub use winding::WindingTree;
-pub(crate) use winding::{COARSE_ERROR, NEGLIGIBLE};
+pub(crate) use winding::{COARSE_ERROR, NEGLIGIBLE, ROUGHLY_NEGLIGIBLE};
 
 use mser3d_shape::BoundingBox;
 use mser3d_shape::vector::Vec3;

@@ -35,8 +35,10 @@ pub struct WindingTree {
     areas: Vec<f64>,
 }
 
-/// A node whose part of the winding number changes by less is taken as constant: for values, and to find out roughly whether they matter.
-pub(crate) const NEGLIGIBLE: [f64; 2] = [5e-5, 8e-3];
+/// A node whose part of the winding number changes by less over a block is taken as constant there.
+pub(crate) const NEGLIGIBLE: f64 = 5e-5;
+/// The same to find out roughly where values matter at all.
+pub(crate) const ROUGHLY_NEGLIGIBLE: f64 = 8e-3;
 
 /// The most that winding numbers of a whole block are off by.
 pub(crate) const COARSE_ERROR: f64 = 5e-3;
@@ -146,7 +148,9 @@ impl WindingTree {
             std::array::from_fn(|a| if c >> a & 1 == 1 { target.max[a] } else { target.min[a] })
         });
         let (mut common, mut at_corners, mut error) = (0.0, [0.0; 8], 0.0);
-        let (mut own, mut stack) = (Vec::new(), Stack::new());
+        // What is summed at each point.
+        let (mut expansions, mut leaves): (Vec<&Expansion>, Vec<&[[Vec3; 3]]>) = (Vec::new(), Vec::new());
+        let mut stack = Stack::new();
         while let Some(i) = stack.pop() {
             let expansion = &self.expansions[i];
             let x = sub(expansion.centre, centre);
@@ -168,19 +172,15 @@ impl WindingTree {
                         *value += expansion.evaluate(sub(expansion.centre, *corner));
                     }
                 } else {
-                    own.push(i);
+                    expansions.push(expansion);
                 }
             } else if self.bvh.nodes[i].count > 0 {
-                own.push(i);
+                leaves.push(self.leaf(i));
             } else {
                 stack.push(self.bvh.nodes[i].first as usize);
                 stack.push(i + 1);
             }
         }
-        let far = |&i: &usize| self.is_far(i, target);
-        let expansions: Vec<&Expansion> =
-            own.iter().filter(|i| far(i)).map(|&i| &self.expansions[i]).collect();
-        let leaves: Vec<&[[Vec3; 3]]> = own.iter().filter(|i| !far(i)).map(|&i| self.leaf(i)).collect();
         let mut columns = Columns::of(points);
         columns.add(&expansions, &leaves);
         let linear = at_corners != [0.0; 8];
@@ -190,13 +190,7 @@ impl WindingTree {
         (columns.sums, error)
     }
 
-    /// Whether the expansion of a node holds all over a box.
-    fn is_far(&self, i: usize, target: &BoundingBox) -> bool {
-        let centre: Vec3 = std::array::from_fn(|a| 0.5 * (target.min[a] + target.max[a]));
-        let gap = norm(sub(self.expansions[i].centre, centre)) - 0.5 * target.diagonal();
-        gap > 0.0 && gap * gap > self.expansions[i].far
-    }
-
+    /// The triangles of a leaf.
     fn leaf(&self, i: usize) -> &[[Vec3; 3]] {
         let (start, count) = (self.bvh.nodes[i].first as usize, self.bvh.nodes[i].count as usize);
         &self.bvh.corners[start..start + count]
@@ -218,8 +212,7 @@ impl WindingTree {
             if gap > ACCURACY * size {
                 let (distance, angle) = (gap - size, self.areas[i] / (4.0 * PI));
                 // Interpolated from the corners of the block, an eighth of its points, or evaluated at each.
-                work +=
-                    if angle * 2.0 * radius * radius < NEGLIGIBLE[0] * distance.powi(4) { 0.1 } else { 1.0 };
+                work += if angle * 2.0 * radius * radius < NEGLIGIBLE * distance.powi(4) { 0.1 } else { 1.0 };
             } else if node.count > 0 {
                 let near = dot(sub(expansion.centre, centre), sub(expansion.centre, centre)) < expansion.far;
                 work += if near { f64::from(node.count) } else { 1.0 };
