@@ -4,11 +4,17 @@
 pub trait GreyValue: Copy + PartialOrd + Into<f64> + Send + Sync + sealed::Sealed + 'static {}
 
 mod sealed {
-    pub trait Sealed {}
+    pub trait Sealed {
+        const INTEGER: bool;
+    }
 }
 
 macro_rules! grey {
-    ($($t:ty)*) => { $(impl sealed::Sealed for $t {} impl GreyValue for $t {})* };
+    ($integer:literal: $($t:ty)*) => { $(
+        impl sealed::Sealed for $t { const INTEGER: bool = $integer; }
+        impl GreyValue for $t {}
+    )* };
 }
 
-grey!(u8 i8 u16 i16 u32 i32 f32 f64);
+grey!(true: u8 i8 u16 i16 u32 i32);
+grey!(false: f32 f64);
