@@ -28,9 +28,11 @@ pub(super) fn find<R: Filtration>(filtration: &R, parts: usize) -> Basins {
     let point = |range: &Range<usize>| {
         let mut minima = Vec::new();
         filtration.descend(range.clone(), |v, target| {
-            let known = target < v && target as usize >= range.start;
-            // Pointers back were set before and go further down at once.
-            let to = if known { pointers[target as usize].load(Relaxed) } else { target };
+            // Pointers back were set before and go further down at once. Whether one goes back cannot be guessed, so
+            // what it points to is loaded in any case.
+            let next = pointers[target as usize].load(Relaxed);
+            let known = (target < v) & (target as usize >= range.start);
+            let to = std::hint::select_unpredictable(known, next, target);
             pointers[v as usize].store(to, Relaxed);
             if target == v {
                 minima.push(v);

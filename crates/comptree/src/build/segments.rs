@@ -7,7 +7,7 @@ use super::filtration::Filtration;
 use crate::tree::NONE;
 
 /// Vertices of a bin, on average.
-const BIN: u32 = 256;
+const BIN: u32 = 1024;
 
 /// Turns the basins of a range of vertices into branches, and counts the vertices of each.
 pub(super) fn climb<R: Filtration>(
@@ -177,7 +177,15 @@ impl<'a> Bins<'a> {
             return bin + to;
         }
         let inside = &self.joined.levels[slots][from as usize..to as usize];
-        bin + from + inside.partition_point(|&join| join <= level) as u32
+        // Mostly they join at one level.
+        let count = if inside[inside.len() - 1] <= level {
+            to
+        } else if inside[0] > level {
+            from
+        } else {
+            from + inside.partition_point(|&join| join <= level) as u32
+        };
+        bin + count
     }
 
     /// Turns the branches of a range of vertices into bins, and finds how many vertices each bin has and the first

@@ -140,13 +140,13 @@ impl SortedVertices {
                     let mut levels = std::mem::take(&mut scratch.levels);
                     levels.clear();
                     levels.extend(vertices.iter().map(|&v| filtration.level(v)));
-                    sort_bin(&mut levels, vertices, &mut scratch.pairs);
+                    sort_bin(&mut levels, vertices, &mut scratch);
                     let nodes = count_levels(&levels);
                     scratch.levels = levels;
                     nodes
                 } else {
                     let levels = &mut levels[range.clone()];
-                    sort_bin(levels, vertices, &mut scratch.pairs);
+                    sort_bin(levels, vertices, &mut scratch);
                     count_levels(levels)
                 };
             }
@@ -202,11 +202,15 @@ pub(super) fn split_off<'a, T>(rest: &mut &'a mut [T], len: usize) -> &'a mut [T
     first
 }
 
+/// More are no longer near in memory.
+const MOST_BUCKETS: u32 = 1 << 12;
+
 /// Memory that sorting uses again and again.
 #[derive(Default)]
 struct Scratch {
     levels: Vec<f64>,
     pairs: Vec<(f64, u32)>,
+    next: Vec<u32>,
 }
 
 #[inline(always)]
@@ -215,11 +219,13 @@ fn count_levels(levels: &[f64]) -> u32 {
 }
 
 /// Sorts the vertices of a bin, which come ascending, by level.
-fn sort_bin(levels: &mut [f64], vertices: &mut [u32], pairs: &mut Vec<(f64, u32)>) {
+fn sort_bin(levels: &mut [f64], vertices: &mut [u32], scratch: &mut Scratch) {
     if levels.len() > 24 {
-        distribute(levels, vertices, pairs);
+        distribute(levels, vertices, scratch);
+        swap_neighbours(levels, vertices);
     }
     if !insertion_sort(levels, vertices) {
+        let pairs = &mut scratch.pairs;
         pairs.clear();
         pairs.extend(levels.iter().copied().zip(vertices.iter().copied()));
         pairs.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -230,27 +236,47 @@ fn sort_bin(levels: &mut [f64], vertices: &mut [u32], pairs: &mut Vec<(f64, u32)
 }
 
 /// Puts vertices nearly in order, by counting; those of one level stay ascending.
-fn distribute(levels: &mut [f64], vertices: &mut [u32], pairs: &mut Vec<(f64, u32)>) {
-    const BUCKETS: u32 = 256;
+fn distribute(levels: &mut [f64], vertices: &mut [u32], scratch: &mut Scratch) {
     let (low, high) = levels.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &level| {
         (if level < low { level } else { low }, if level > high { level } else { high })
     });
-    let scale = Scale::new(low, high, BUCKETS);
-    let mut next = [0u32; BUCKETS as usize];
+    let buckets = (2 * levels.len() as u32).min(MOST_BUCKETS);
+    let scale = Scale::new(low, high, buckets);
+    let Scratch { pairs, next, .. } = scratch;
+    next.clear();
+    next.resize(buckets as usize, 0);
     pairs.clear();
     for (&level, &vertex) in levels.iter().zip(vertices.iter()) {
         pairs.push((level, vertex));
-        next[scale.part(level, BUCKETS) as usize] += 1;
+        next[scale.part(level, buckets) as usize] += 1;
     }
     let mut sum = 0;
-    for next in &mut next {
+    for next in next.iter_mut() {
         sum += std::mem::replace(next, sum);
     }
     for &(level, vertex) in pairs.iter() {
-        let at = &mut next[scale.part(level, BUCKETS) as usize];
+        let at = &mut next[scale.part(level, buckets) as usize];
         levels[*at as usize] = level;
         vertices[*at as usize] = vertex;
         *at += 1;
+    }
+}
+
+/// Swaps neighbours that are out of order, by arithmetic: what branches would do here cannot be guessed. Of what
+/// counting leaves out of order, this leaves little.
+fn swap_neighbours(levels: &mut [f64], vertices: &mut [u32]) {
+    let Some((mut level, mut vertex)) = levels.first().copied().zip(vertices.first().copied()) else {
+        return;
+    };
+    for i in 1..levels.len().min(vertices.len()) {
+        let swap = levels[i] < level;
+        let change = (vertices[i] ^ vertex) & u32::from(swap).wrapping_neg();
+        (vertices[i - 1], vertex) = (vertex ^ change, vertices[i] ^ change);
+        let next = levels[i];
+        levels[i - 1] = if next < level { next } else { level };
+        level = if next > level { next } else { level };
+        levels[i] = level;
+        vertices[i] = vertex;
     }
 }
 
