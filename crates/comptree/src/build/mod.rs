@@ -31,6 +31,7 @@ mod filtration;
 mod nodes;
 mod placement;
 mod saddles;
+mod scale;
 mod segments;
 mod sorted_vertices;
 mod vertex_weights;

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::branches::{Branches, Joined};
 use super::filtration::Filtration;
+use super::scale::Scale;
 use crate::tree::NONE;
 
 /// Vertices of a bin, on average.
@@ -37,27 +38,6 @@ pub(super) fn climb<R: Filtration>(
         sizes[branch as usize] += run;
     }
     sizes
-}
-
-/// A map from levels to equal parts of a span, which never falls.
-#[derive(Clone, Copy)]
-pub(super) struct Scale {
-    low: f64,
-    /// Parts for a unit of level.
-    factor: f64,
-}
-
-impl Scale {
-    /// A span too short or too long to divide is one part.
-    pub fn new(low: f64, high: f64, parts: u32) -> Self {
-        let factor = f64::from(parts) / (high - low);
-        Self { low, factor: if factor.is_finite() { factor } else { 0.0 } }
-    }
-
-    #[inline(always)]
-    pub fn part(&self, level: f64, parts: u32) -> u32 {
-        (((level - self.low) * self.factor) as u32).min(parts - 1)
-    }
 }
 
 /// Cuts all branches into bins: by level into equal parts, and these where others join. Along a branch the numbers of
@@ -98,7 +78,7 @@ impl Span {
     /// Whether each part is a level, of levels that are integers.
     #[inline(always)]
     fn is_unit(&self) -> bool {
-        self.scale.factor == 1.0
+        self.scale.is_unit()
     }
 }
 
@@ -120,7 +100,7 @@ impl<'a> Bins<'a> {
             let (low, high) = (branches.births[branch], branches.joins[branch].level.min(filtration.top()));
             let (parts, scale) = if R::INTEGERS && high - low <= f64::from(joins.max(size)) {
                 // A part for each level, if these are not too many: then nothing is left to sort.
-                ((high - low).max(0.0) as u32 + 1, Scale { low, factor: 1.0 })
+                ((high - low).max(0.0) as u32 + 1, Scale::unit(low))
             } else {
                 let parts = joins.max(size / BIN).max(1);
                 (parts, Scale::new(low, high, parts))

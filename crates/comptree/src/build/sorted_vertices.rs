@@ -8,7 +8,8 @@ use rayon::prelude::*;
 use super::branches::{Branches, Joined};
 use super::filtration::Filtration;
 use super::placement::{Placement, place};
-use super::segments::{Bins, Count, Scale, climb};
+use super::scale::Scale;
+use super::segments::{Bins, Count, climb};
 use crate::Polarity;
 use crate::tree::NONE;
 
