@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::branches::{Branches, Joined};
+use super::sorted_vertices::split_off;
 use crate::tree::NONE;
 
 /// The order of all segments in the tree: children before parents, siblings by their smallest vertex.
@@ -22,25 +23,22 @@ struct Block {
     least: u32,
 }
 
-/// Places along some branches, all seen from the first segment of the branch. Those before it are negative: they
-/// wrap, and sums with them wrap back.
-#[derive(Default)]
-struct Along {
-    /// Of each branch the beginning of its block: blocks with smaller vertices lie between.
-    fronts: Vec<u32>,
-    /// Of each branch that joins, the first place of its block.
-    blocks: Vec<u32>,
-    /// Of each branch that joins, the place of the segment at the join.
-    segments: Vec<u32>,
-    /// Of each branch that joins, the segment above: of those that start at one level the last.
-    above: Vec<u32>,
+/// Where a branch joins another. Places are seen from the first segment of that other branch; those before it are
+/// negative: they wrap, and sums with them wrap back.
+#[derive(Clone, Copy, Default)]
+struct Place {
+    /// The first place of the subtree that joins.
+    block: u32,
+    /// The place of the segment that starts here.
+    segment: u32,
+    /// The segment above: of those that start at one level the last.
+    above: u32,
 }
 
 /// Finds the place of each segment; `leasts` are their smallest vertices.
 pub(super) fn place(branches: &Branches, joined: &Joined, leasts: &[u32]) -> Placement {
     let blocks = blocks(branches, joined, leasts);
-    let along = along(branches, joined, leasts, &blocks);
-    let mut first: Vec<u32> = along.fronts.iter().map(|front| front.wrapping_neg()).collect();
+    let (mut first, places) = along(branches, joined, leasts, &blocks);
     let mut above = vec![NONE; branches.len()];
     let mut total = 0;
     let mut roots = branches.roots();
@@ -57,10 +55,11 @@ pub(super) fn place(branches: &Branches, joined: &Joined, leasts: &[u32]) -> Pla
         order[base as usize] = numbers.start as u32;
         numbers.start += 1;
         for (slot, number) in joined.slots(branch).zip(numbers) {
-            order[base.wrapping_add(along.segments[slot]) as usize] = number as u32;
+            let place = places[slot];
+            order[base.wrapping_add(place.segment) as usize] = number as u32;
             let child = joined.list[slot] as usize;
-            first[child] = first[child].wrapping_add(base.wrapping_add(along.blocks[slot]));
-            above[child] = along.above[slot];
+            first[child] = first[child].wrapping_add(base.wrapping_add(place.block));
+            above[child] = place.above;
         }
     }
     Placement { order, above }
@@ -81,68 +80,69 @@ fn blocks(branches: &Branches, joined: &Joined, leasts: &[u32]) -> Vec<Block> {
     blocks
 }
 
-fn along(branches: &Branches, joined: &Joined, leasts: &[u32], blocks: &[Block]) -> Along {
+/// For each branch, how many places of its block come before its first segment; the places of all that join.
+fn along(branches: &Branches, joined: &Joined, leasts: &[u32], blocks: &[Block]) -> (Vec<u32>, Vec<Place>) {
+    let mut before = vec![0; branches.len()];
+    let mut places = vec![Place::default(); joined.list.len()];
     let step = branches.len().div_ceil(8 * rayon::current_num_threads()).max(1024);
-    let parts = (0..branches.len().div_ceil(step)).into_par_iter().map(|part| {
-        let mut along = Along::default();
-        let mut group = Vec::new();
-        for branch in part * step..((part + 1) * step).min(branches.len()) {
-            along.add(branch as u32, joined, leasts, blocks, &mut group);
-        }
-        along
-    });
-    let mut all = Along::default();
-    for part in parts.collect::<Vec<_>>() {
-        all.fronts.extend(part.fronts);
-        all.blocks.extend(part.blocks);
-        all.segments.extend(part.segments);
-        all.above.extend(part.above);
+    let mut rest = &mut places[..];
+    let mut tasks = Vec::new();
+    for (before, start) in before.chunks_mut(step).zip((0..).step_by(step)) {
+        let count = joined.starts[start + before.len()] - joined.starts[start];
+        tasks.push((before, start, split_off(&mut rest, count as usize)));
     }
-    all
+    tasks.into_par_iter().for_each(|(before, start, mut places)| {
+        let mut group = Vec::new();
+        for (before, branch) in before.iter_mut().zip(start as u32..) {
+            let places = split_off(&mut places, joined.slots(branch).len());
+            *before = along_one(branch, joined, leasts, blocks, places, &mut group);
+        }
+    });
+    (before, places)
 }
 
-impl Along {
-    fn add(
-        &mut self,
-        branch: u32,
-        joined: &Joined,
-        leasts: &[u32],
-        blocks: &[Block],
-        group: &mut Vec<(u32, usize)>,
-    ) {
-        let slots = joined.slots(branch);
-        let offset = slots.start - self.blocks.len();
-        self.blocks.resize(slots.end - offset, 0);
-        let block = |slot: usize| blocks[joined.list[slot] as usize];
-        let level = |slot: usize| joined.levels[slot];
-        let own = &leasts[joined.segments(branch)];
-        // The component so far reaches from `front` to `end` and has `least` as its smallest vertex.
-        let (mut front, mut end, mut least) = (0u32, 1u32, own[0]);
-        let mut slot = slots.start;
-        while slot < slots.end {
-            // Siblings: what joins at one level.
-            let together = (slot..slots.end).take_while(|&other| level(other) == level(slot));
-            group.clear();
-            group.extend(together.map(|slot| (block(slot).least, slot)));
-            group.sort_unstable();
-            let before = group.partition_point(|sibling| sibling.0 < least);
-            let len = |group: &[(u32, usize)]| group.iter().map(|&(_, slot)| block(slot).len).sum::<u32>();
-            front = front.wrapping_sub(len(&group[..before]));
-            let mut at = front;
-            for (i, &(_, slot)) in group.iter().enumerate() {
-                if i == before {
-                    at = end;
-                }
-                self.blocks[slot - offset] = at;
-                at = at.wrapping_add(block(slot).len);
+fn along_one(
+    branch: u32,
+    joined: &Joined,
+    leasts: &[u32],
+    blocks: &[Block],
+    places: &mut [Place],
+    group: &mut Vec<(u32, usize)>,
+) -> u32 {
+    let slots = joined.slots(branch);
+    let levels = &joined.levels[slots.clone()];
+    let block = |i: usize| blocks[joined.list[slots.start + i] as usize];
+    let own = joined.segments(branch);
+    let leasts = &leasts[own.clone()];
+    // The component so far reaches from `before` its first segment to `end` and has `least` as its smallest vertex.
+    let (mut before, mut end, mut least) = (0, 1u32, leasts[0]);
+    let mut first = 0;
+    while first < places.len() {
+        // Siblings: what joins at one level.
+        let together = (first..places.len()).take_while(|&other| levels[other] == levels[first]);
+        group.clear();
+        group.extend(together.map(|i| (block(i).least, i)));
+        group.sort_unstable();
+        let smaller = group.partition_point(|sibling| sibling.0 < least);
+        let len = |group: &[(u32, usize)]| group.iter().map(|&(_, i)| block(i).len).sum::<u32>();
+        before += len(&group[..smaller]);
+        let mut at = 0u32.wrapping_sub(before);
+        for (k, &(_, i)) in group.iter().enumerate() {
+            if k == smaller {
+                at = end;
             }
-            end += len(&group[before..]);
-            slot += group.len();
-            self.segments.extend((end..).take(group.len()));
-            self.above.extend(std::iter::repeat_n((slot + branch as usize) as u32, group.len()));
-            end += group.len() as u32;
-            least = least.min(group[0].0).min(own[slot - slots.start]);
+            places[i].block = at;
+            at = at.wrapping_add(block(i).len);
         }
-        self.fronts.push(front);
+        end += len(&group[smaller..]);
+        let next = first + group.len();
+        for (place, segment) in places[first..next].iter_mut().zip(end..) {
+            place.segment = segment;
+            place.above = (own.start + next) as u32;
+        }
+        end += group.len() as u32;
+        least = least.min(group[0].0).min(leasts[next]);
+        first = next;
     }
+    before
 }
