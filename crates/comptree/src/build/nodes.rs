@@ -30,6 +30,10 @@ pub(super) fn write<R: Filtration>(
         let SortedVertices { vertices, altitudes, .. } = sorted;
         return Nodes { parents, altitudes, ends: Vec::new(), vertices };
     }
+    if bare.is_empty() && !sorted.altitudes.is_empty() {
+        let (altitudes, ends) = compact(&mut sorted);
+        return Nodes { parents, altitudes, ends, vertices: sorted.vertices };
+    }
     let (mut altitudes, mut ends) = levels(filtration, &sorted);
     for (segment, level) in bare {
         let start = sorted.start(sorted.first_bin(segment));
@@ -98,6 +102,48 @@ fn levels<R: Filtration>(filtration: &R, sorted: &SortedVertices) -> (Vec<f64>, 
             start = bin;
         }
     });
+    (altitudes, ends)
+}
+
+/// As [`levels`], where each node has a vertex and vertices have altitudes: those of the nodes take their place.
+fn compact(sorted: &mut SortedVertices) -> (Vec<f64>, Vec<u32>) {
+    let mut altitudes = std::mem::take(&mut sorted.altitudes);
+    let mut ends = vec![0; sorted.bins.last().map_or(0, |bin| bin.nodes as usize)];
+    let (mut rest_altitudes, mut rest_ends) = (&mut altitudes[..], &mut ends[..]);
+    let mut tasks = Vec::new();
+    for group in sorted.groups() {
+        let (start, end) = (sorted.start(group.start), sorted.start(group.end));
+        let altitudes = split_off(&mut rest_altitudes, (end.vertices - start.vertices) as usize);
+        let ends = split_off(&mut rest_ends, (end.nodes - start.nodes) as usize);
+        tasks.push((group, altitudes, ends));
+    }
+    let moves: Vec<_> = tasks
+        .into_par_iter()
+        .map(|(group, altitudes, ends)| {
+            let before = sorted.start(group.start);
+            let (mut at, mut node) = (0, 0);
+            for bin in &sorted.bins[group] {
+                let mut last = f64::NAN;
+                while at < (bin.vertices - before.vertices) as usize {
+                    let altitude = altitudes[at];
+                    at += 1;
+                    if altitude != last {
+                        altitudes[node] = altitude;
+                        node += 1;
+                        last = altitude;
+                    }
+                    ends[node - 1] = before.vertices + at as u32;
+                }
+            }
+            (before, node)
+        })
+        .collect();
+    for (before, nodes) in moves {
+        let start = before.vertices as usize;
+        altitudes.copy_within(start..start + nodes, before.nodes as usize);
+    }
+    altitudes.truncate(ends.len());
+    altitudes.shrink_to_fit();
     (altitudes, ends)
 }
 

@@ -241,6 +241,9 @@ fn distribute(levels: &mut [f64], vertices: &mut [u32], scratch: &mut Scratch) {
     let (low, high) = levels.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &level| {
         (if level < low { level } else { low }, if level > high { level } else { high })
     });
+    if low == high {
+        return;
+    }
     let buckets = (2 * levels.len() as u32).min(MOST_BUCKETS);
     let scale = Scale::new(low, high, buckets);
     let Scratch { pairs, next, .. } = scratch;
