@@ -102,7 +102,7 @@ impl<'a> Bins<'a> {
                 // A part for each level, if these are not too many: then nothing is left to sort.
                 ((high - low).max(0.0) as u32 + 1, Scale::unit(low))
             } else {
-                let parts = joins.max(size / BIN).max(1);
+                let parts = (joins / 2).max(size / BIN).max(1);
                 (parts, Scale::new(low, high, parts))
             };
             let span = Span { scale, parts, first, slots };
