@@ -1,5 +1,6 @@
 //! Step 1 of the construction: the basins of steepest descent, as in ExTreeM (Lukasczyk et al. 2024) and
 //! watersheds.
+use std::hint::select_unpredictable;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -28,9 +29,11 @@ pub(super) fn find<R: Filtration>(filtration: &R, parts: usize) -> Basins {
     let point = |range: &Range<usize>| {
         let mut minima = Vec::new();
         filtration.descend(range.clone(), |v, target| {
-            let known = target < v && target as usize >= range.start;
-            // Pointers back were set before and go further down at once.
-            let to = if known { pointers[target as usize].load(Relaxed) } else { target };
+            // Pointers back were set before and go further down at once. Which go back cannot be guessed, so
+            // something is loaded for all, from memory that has been written.
+            let known = (target < v) & (target as usize >= range.start);
+            let at = select_unpredictable(known, target as usize, range.start);
+            let to = select_unpredictable(known, pointers[at].load(Relaxed), target);
             pointers[v as usize].store(to, Relaxed);
             if target == v {
                 minima.push(v);

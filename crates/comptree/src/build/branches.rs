@@ -93,18 +93,18 @@ impl Branches {
             list[*at as usize] = branch;
             *at += 1;
         }
-        let joins = list.par_iter().map(|&branch| self.joins[branch as usize]).collect();
-        Joined { starts, list, joins }
+        let levels = list.par_iter().map(|&branch| self.joins[branch as usize].level).collect();
+        Joined { starts, list, levels }
     }
 }
 
-/// The branches that join each branch, one after the other.
+/// The branches that join each branch, one after the other. They cut it into segments.
 pub(super) struct Joined {
     /// Where those of each branch begin, and their number.
     pub starts: Vec<u32>,
     pub list: Vec<u32>,
     /// Where each of the list joins.
-    pub joins: Vec<Join>,
+    pub levels: Vec<f64>,
 }
 
 impl Joined {
@@ -112,5 +112,12 @@ impl Joined {
     #[inline(always)]
     pub fn slots(&self, branch: u32) -> Range<usize> {
         self.starts[branch as usize] as usize..self.starts[branch as usize + 1] as usize
+    }
+
+    /// The numbers of a branch's segments, from below: one more than branches that join.
+    #[inline(always)]
+    pub fn segments(&self, branch: u32) -> Range<usize> {
+        let slots = self.slots(branch);
+        slots.start + branch as usize..slots.end + branch as usize + 1
     }
 }

@@ -183,6 +183,13 @@ impl<T: Topology, W: Fn(u32, u32) -> f64 + Sync> Edges for Weighed<'_, T, W> {
 }
 
 impl<E: Edges> Filtration for EdgeFiltration<E> {
+    const INTEGERS: bool = false;
+    const BARE_JOINS: bool = true;
+
+    fn polarity(&self) -> Polarity {
+        self.polarity
+    }
+
     fn len(&self) -> usize {
         self.lowest.to.len()
     }

@@ -12,6 +12,14 @@ use crate::{GreyValue, Polarity, TreeError};
 /// A vertex counts as entered once something can be joined to it; so it is connected to where it
 /// descends to at its own level.
 pub(super) trait Filtration: Sync {
+    /// Whether all levels are integers.
+    const INTEGERS: bool;
+
+    /// Whether components can join at levels at which no vertex enters.
+    const BARE_JOINS: bool;
+
+    fn polarity(&self) -> Polarity;
+
     fn len(&self) -> usize;
 
     /// Ranges of vertices that can go to different threads, about `parts` of them.
@@ -71,6 +79,13 @@ impl<'a, T: Topology, V: GreyValue> VertexFiltration<'a, T, V> {
 }
 
 impl<T: Topology, V: GreyValue> Filtration for VertexFiltration<'_, T, V> {
+    const INTEGERS: bool = V::INTEGER;
+    const BARE_JOINS: bool = false;
+
+    fn polarity(&self) -> Polarity {
+        self.polarity
+    }
+
     fn len(&self) -> usize {
         self.topology.len()
     }

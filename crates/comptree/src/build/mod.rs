@@ -11,9 +11,11 @@
 //!    with at least as many basins ([`branches`]). Nothing lies below more than a logarithmic number of
 //!    branches;
 //! 3. every vertex climbs from its basin's branch to the one that is there at the level at which it
-//!    enters; there vertices are sorted by level ([`sorted_vertices`]);
-//! 4. branches are cut where others join ([`segments`]), each segment is given its place in postorder
-//!    ([`placement`]), and each level in it becomes a node ([`nodes`]).
+//!    enters; branches are cut into *segments* where others join, and these into bins by level
+//!    ([`segments`]);
+//! 4. segments are ordered as the tree wants them ([`placement`]); so each vertex goes straight to its bin's
+//!    place in the tree, where bins are sorted ([`sorted_vertices`]);
+//! 5. each level of a segment becomes a node ([`nodes`]).
 //!
 //! What all of this reads is a [`filtration`]: the levels at which vertices and edges enter.
 //!
@@ -29,6 +31,7 @@ mod filtration;
 mod nodes;
 mod placement;
 mod saddles;
+mod scale;
 mod segments;
 mod sorted_vertices;
 mod vertex_weights;
@@ -64,8 +67,10 @@ fn build<R: Filtration>(
     let births = basins.minima.iter().map(|&v| filtration.level(v)).collect();
     let branches = Branches::new(births, &saddles);
     drop(saddles);
-    let (sorted, labels) = SortedVertices::new(filtration, basins.labels, &branches, parts);
-    let nodes = nodes::write(filtration, &branches, sorted, labels, polarity);
+    let joined = branches.joined();
+    let mut labels = basins.labels;
+    let (sorted, placement) = SortedVertices::new(filtration, &mut labels, &branches, &joined, parts);
+    let nodes = nodes::write(filtration, &joined, &placement, sorted, labels);
     Ok(ComponentTree::assemble(nodes, volumes, polarity))
 }
 

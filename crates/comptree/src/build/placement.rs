@@ -1,148 +1,148 @@
-//! Step 4 of the construction: where each segment comes in the canonical numbering, so that threads can write
-//! nodes in any order. Not in a paper: it replaces a walk through the finished tree.
+//! Step 4 of the construction: in which order segments come in the canonical numbering, so that threads can put
+//! vertices where they belong in any order. Not in a paper: it replaces a walk through the finished tree.
 use rayon::prelude::*;
 
 use super::branches::{Branches, Joined};
-use super::segments::{Extent, Segments};
+use super::sorted_vertices::split_off;
 use crate::tree::NONE;
 
-/// Where everything comes in the tree: children before parents, siblings by their smallest vertex.
+/// The order of all segments in the tree: children before parents, siblings by their smallest vertex.
 pub(super) struct Placement {
-    /// The place of the first segment of each branch.
-    pub first: Vec<Extent>,
-    /// Of the segments that follow, the place seen from the branch's first.
-    pub later: Vec<Extent>,
-    /// The node above each branch.
+    /// The segments in this order.
+    pub order: Vec<u32>,
+    /// The segment above each branch; [`NONE`] for a root's.
     pub above: Vec<u32>,
-    /// Vertices and nodes of the whole tree.
-    pub total: Extent,
 }
 
 /// A branch and all that join it: a subtree.
 #[derive(Clone, Copy)]
 struct Block {
-    size: Extent,
+    /// The number of segments.
+    len: u32,
     /// The smallest vertex.
     least: u32,
 }
 
-/// Places along some branches, all seen from the first segment of the branch.
-#[derive(Default)]
-struct Along {
-    /// Of each branch the beginning of its block: blocks with smaller vertices lie between.
-    fronts: Vec<Extent>,
-    /// Of each branch that joins, its block.
-    blocks: Vec<Extent>,
-    /// Of each branch that joins, the segment at the join.
-    segments: Vec<Extent>,
+/// Where a branch joins another. Places are seen from the first segment of that other branch; those before it are
+/// negative: they wrap, and sums with them wrap back.
+#[derive(Clone, Copy, Default)]
+struct Place {
+    /// The first place of the subtree that joins.
+    block: u32,
+    /// The place of the segment that starts here.
+    segment: u32,
+    /// The segment above: of those that start at one level the last.
+    above: u32,
 }
 
-/// Finds the place of each segment.
-pub(super) fn place(branches: &Branches, joined: &Joined, segments: &Segments) -> Placement {
-    let blocks = blocks(branches, joined, segments);
-    let along = along(branches, joined, segments, &blocks);
-    let mut first: Vec<Extent> = along.fronts.iter().map(|&front| Extent::default().minus(front)).collect();
+/// Finds the place of each segment; `leasts` are their smallest vertices.
+pub(super) fn place(branches: &Branches, joined: &Joined, leasts: &[u32]) -> Placement {
+    let blocks = blocks(branches, joined, leasts);
+    let (mut first, places) = along(branches, joined, leasts, &blocks);
     let mut above = vec![NONE; branches.len()];
-    let mut total = Extent::default();
+    let mut total = 0;
     let mut roots = branches.roots();
     roots.sort_unstable_by_key(|&root| blocks[root as usize].least);
     for &root in &roots {
-        first[root as usize] = first[root as usize].plus(total);
-        total = total.plus(blocks[root as usize].size);
+        first[root as usize] = first[root as usize].wrapping_add(total);
+        total += blocks[root as usize].len;
     }
+    let mut order = vec![0; leasts.len()];
     // From the roots down, places along a branch become places in the tree.
     for &branch in roots.iter().chain(branches.order.iter().rev()) {
         let base = first[branch as usize];
-        for slot in joined.slots(branch) {
+        let mut numbers = joined.segments(branch);
+        order[base as usize] = numbers.start as u32;
+        numbers.start += 1;
+        for (slot, number) in joined.slots(branch).zip(numbers) {
+            let place = places[slot];
+            order[base.wrapping_add(place.segment) as usize] = number as u32;
             let child = joined.list[slot] as usize;
-            first[child] = first[child].plus(base.plus(along.blocks[slot]));
-            above[child] = base.plus(along.segments[slot]).nodes;
+            first[child] = first[child].wrapping_add(base.wrapping_add(place.block));
+            above[child] = place.above;
         }
     }
-    Placement { first, later: along.segments, above, total }
+    Placement { order, above }
 }
 
 /// The subtree of each branch.
-fn blocks(branches: &Branches, joined: &Joined, segments: &Segments) -> Vec<Block> {
+fn blocks(branches: &Branches, joined: &Joined, leasts: &[u32]) -> Vec<Block> {
     let own = |branch: usize| {
-        let later = &segments.later[joined.slots(branch as u32)];
-        let all = later.iter().chain([&segments.first[branch]]);
-        let join = |block: Block, segment: &super::segments::Segment| Block {
-            size: block.size.plus(segment.size),
-            least: block.least.min(segment.least),
-        };
-        all.fold(Block { size: Extent::default(), least: NONE }, join)
+        let own = &leasts[joined.segments(branch as u32)];
+        Block { len: own.len() as u32, least: own.iter().fold(NONE, |a, &b| a.min(b)) }
     };
     let mut blocks: Vec<Block> = (0..branches.len()).into_par_iter().with_min_len(256).map(own).collect();
     for &branch in &branches.order {
-        let Block { size, least } = blocks[branch as usize];
+        let Block { len, least } = blocks[branch as usize];
         let into = &mut blocks[branches.joins[branch as usize].into as usize];
-        *into = Block { size: into.size.plus(size), least: into.least.min(least) };
+        *into = Block { len: into.len + len, least: into.least.min(least) };
     }
     blocks
 }
 
-fn along(branches: &Branches, joined: &Joined, segments: &Segments, blocks: &[Block]) -> Along {
+/// For each branch, how many places of its block come before its first segment; the places of all that join.
+fn along(branches: &Branches, joined: &Joined, leasts: &[u32], blocks: &[Block]) -> (Vec<u32>, Vec<Place>) {
+    let mut before = vec![0; branches.len()];
+    let mut places = vec![Place::default(); joined.list.len()];
     let step = branches.len().div_ceil(8 * rayon::current_num_threads()).max(1024);
-    let parts = (0..branches.len().div_ceil(step)).into_par_iter().map(|part| {
-        let mut along = Along::default();
-        let mut group = Vec::new();
-        for branch in part * step..((part + 1) * step).min(branches.len()) {
-            along.add(branch as u32, joined, segments, blocks, &mut group);
-        }
-        along
-    });
-    let mut all = Along::default();
-    for part in parts.collect::<Vec<_>>() {
-        all.fronts.extend(part.fronts);
-        all.blocks.extend(part.blocks);
-        all.segments.extend(part.segments);
+    let mut rest = &mut places[..];
+    let mut tasks = Vec::new();
+    for (before, start) in before.chunks_mut(step).zip((0..).step_by(step)) {
+        let count = joined.starts[start + before.len()] - joined.starts[start];
+        tasks.push((before, start, split_off(&mut rest, count as usize)));
     }
-    all
+    tasks.into_par_iter().for_each(|(before, start, mut places)| {
+        let mut group = Vec::new();
+        for (before, branch) in before.iter_mut().zip(start as u32..) {
+            let places = split_off(&mut places, joined.slots(branch).len());
+            *before = along_one(branch, joined, leasts, blocks, places, &mut group);
+        }
+    });
+    (before, places)
 }
 
-impl Along {
-    fn add(
-        &mut self,
-        branch: u32,
-        joined: &Joined,
-        segments: &Segments,
-        blocks: &[Block],
-        group: &mut Vec<(u32, usize)>,
-    ) {
-        let slots = joined.slots(branch);
-        let offset = slots.start - self.blocks.len();
-        self.blocks.resize(slots.end - offset, Extent::default());
-        let block = |slot: usize| blocks[joined.list[slot] as usize];
-        let level = |slot: usize| joined.joins[slot].level;
-        // The component so far reaches from `front` to `end` and has `least` as its smallest vertex.
-        let first = segments.first[branch as usize];
-        let (mut front, mut end, mut least) = (Extent::default(), first.size, first.least);
-        let mut slot = slots.start;
-        while slot < slots.end {
-            // Siblings: what joins at one level.
-            let together = (slot..slots.end).take_while(|&other| level(other) == level(slot));
-            group.clear();
-            group.extend(together.map(|slot| (block(slot).least, slot)));
-            group.sort_unstable();
-            let before = group.partition_point(|sibling| sibling.0 < least);
-            let size = |sum: Extent, &(_, slot): &(u32, usize)| sum.plus(block(slot).size);
-            front = front.minus(group[..before].iter().fold(Extent::default(), size));
-            let mut at = front;
-            for (i, &(_, slot)) in group.iter().enumerate() {
-                if i == before {
-                    at = end;
-                }
-                self.blocks[slot - offset] = at;
-                at = at.plus(block(slot).size);
+fn along_one(
+    branch: u32,
+    joined: &Joined,
+    leasts: &[u32],
+    blocks: &[Block],
+    places: &mut [Place],
+    group: &mut Vec<(u32, usize)>,
+) -> u32 {
+    let slots = joined.slots(branch);
+    let levels = &joined.levels[slots.clone()];
+    let block = |i: usize| blocks[joined.list[slots.start + i] as usize];
+    let own = joined.segments(branch);
+    let leasts = &leasts[own.clone()];
+    // The component so far reaches from `before` its first segment to `end` and has `least` as its smallest vertex.
+    let (mut before, mut end, mut least) = (0, 1u32, leasts[0]);
+    let mut first = 0;
+    while first < places.len() {
+        // Siblings: what joins at one level.
+        let together = (first..places.len()).take_while(|&other| levels[other] == levels[first]);
+        group.clear();
+        group.extend(together.map(|i| (block(i).least, i)));
+        group.sort_unstable();
+        let smaller = group.partition_point(|sibling| sibling.0 < least);
+        let len = |group: &[(u32, usize)]| group.iter().map(|&(_, i)| block(i).len).sum::<u32>();
+        before += len(&group[..smaller]);
+        let mut at = 0u32.wrapping_sub(before);
+        for (k, &(_, i)) in group.iter().enumerate() {
+            if k == smaller {
+                at = end;
             }
-            end = group[before..].iter().fold(end, size);
-            self.segments.extend(group.iter().map(|_| end));
-            slot += group.len();
-            let last = segments.later[slot - 1];
-            end = end.plus(last.size);
-            least = least.min(group[0].0).min(last.least);
+            places[i].block = at;
+            at = at.wrapping_add(block(i).len);
         }
-        self.fronts.push(front);
+        end += len(&group[smaller..]);
+        let next = first + group.len();
+        for (place, segment) in places[first..next].iter_mut().zip(end..) {
+            place.segment = segment;
+            place.above = (own.start + next) as u32;
+        }
+        end += group.len() as u32;
+        least = least.min(group[0].0).min(leasts[next]);
+        first = next;
     }
+    before
 }

@@ -1,5 +1,5 @@
-//! Step 2 of the construction: a minimum spanning forest of the basins by rounds of Borůvka (1926), tile by
-//! tile.
+//! Step 2 of the construction: a minimum spanning forest of the basins by filter-Kruskal (Osipov, Sanders and
+//! Singler 2009), tile by tile.
 use std::ops::Range;
 
 use mser3d_shape::DisjointSets;
@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::basins::Basins;
 use super::filtration::Filtration;
+use super::scale::Scale;
 use crate::tree::NONE;
 
 /// Vertices of a tile, or more.
@@ -20,16 +21,6 @@ pub(super) struct Saddle {
     pub basins: [u32; 2],
 }
 
-impl Saddle {
-    const NONE: Self = Self { level: f64::INFINITY, basins: [NONE; 2] };
-
-    /// A strict order: of equal levels, the one between the smaller basins comes first.
-    #[inline(always)]
-    fn before(&self, other: &Self) -> bool {
-        self.level < other.level || self.level == other.level && self.basins < other.basins
-    }
-}
-
 /// The edges of a minimum spanning forest of the basins, and perhaps a few more, by ascending level.
 ///
 /// What is not in the forest of some of the edges is not in that of all. So most edges are dropped tile by
@@ -37,40 +28,22 @@ impl Saddle {
 pub(super) fn find<R: Filtration>(filtration: &R, basins: &Basins, parts: usize) -> Vec<Saddle> {
     let count = basins.minima.len();
     let tiles = filtration.split_edges(parts.max(filtration.len() / TILE));
-    let mut saddles = if let [tile] = &tiles[..] {
-        forest(between(filtration, &basins.labels, tile.clone()), count)
-    } else {
-        let thinned = |numbers: &mut Numbers, tile: &Range<usize>| {
-            let found = between(filtration, &basins.labels, tile.clone());
-            numbers.forest(found)
-        };
-        let found: Vec<_> = tiles.par_iter().map_init(|| Numbers::new(count), thinned).collect();
-        found.concat()
-    };
-    sort(&mut saddles, parts);
+    let labels = &basins.labels;
+    if let [tile] = &tiles[..] {
+        let mut recent = Recent::new();
+        recent.find(filtration, labels, tile.clone());
+        return forest(&recent.list, count, &mut Vec::new());
+    }
+    let thinned = |memory: &mut Memory, tile: &Range<usize>| memory.forest(filtration, labels, tile.clone());
+    let found: Vec<_> = tiles.par_iter().map_init(|| Memory::new(count), thinned).collect();
+    let mut saddles = found.concat();
+    // Those of a tile are sorted: this only merges.
+    saddles.sort_by(by_level);
     saddles
 }
 
-/// By level: sorted runs, one a thread, which the stable sort then only merges.
-fn sort(saddles: &mut [Saddle], parts: usize) {
-    let order = |a: &Saddle, b: &Saddle| a.level.total_cmp(&b.level);
-    if parts > 1 {
-        let run = saddles.len().div_ceil(parts).max(1);
-        saddles.par_chunks_mut(run).for_each(|run| run.sort_unstable_by(order));
-        saddles.sort_by(order);
-    } else {
-        saddles.sort_unstable_by(order);
-    }
-}
-
-/// The edges of a tile between basins, of most pairs of basins only the lowest.
-fn between<R: Filtration>(filtration: &R, labels: &[u32], tile: Range<usize>) -> Vec<Saddle> {
-    let mut recent = Recent::new();
-    filtration.boundary(tile, labels, |v, w, level| {
-        let [a, b] = [labels[v as usize], labels[w as usize]];
-        recent.add(Saddle { level, basins: [a.min(b), a.max(b)] });
-    });
-    recent.list
+fn by_level(a: &Saddle, b: &Saddle) -> std::cmp::Ordering {
+    a.level.total_cmp(&b.level)
 }
 
 /// A list of edges that knows where the pairs of basins met last are: two basins mostly meet along a
@@ -85,6 +58,15 @@ impl Recent {
 
     fn new() -> Self {
         Self { list: Vec::new(), places: vec![0; 1 << Self::BITS] }
+    }
+
+    /// The edges of a tile between basins, of most pairs of basins only the lowest.
+    fn find<R: Filtration>(&mut self, filtration: &R, labels: &[u32], tile: Range<usize>) {
+        self.list.clear();
+        filtration.boundary(tile, labels, |v, w, level| {
+            let [a, b] = [labels[v as usize], labels[w as usize]];
+            self.add(Saddle { level, basins: [a.min(b), a.max(b)] });
+        });
     }
 
     #[inline(always)]
@@ -102,22 +84,25 @@ impl Recent {
     }
 }
 
-/// Numbers for the basins of a tile, from zero.
-struct Numbers {
-    /// The number of each basin; [`NONE`] for those of other tiles.
+/// What work on one tile leaves to the next: memory, most of all.
+struct Memory {
+    recent: Recent,
+    /// A number for each basin of the tile, from zero; [`NONE`] for those of other tiles.
     of: Vec<u32>,
     /// The basins of the tile.
     basins: Vec<u32>,
+    sorted: Vec<Saddle>,
 }
 
-impl Numbers {
+impl Memory {
     fn new(count: usize) -> Self {
-        Self { of: vec![NONE; count], basins: Vec::new() }
+        Self { recent: Recent::new(), of: vec![NONE; count], basins: Vec::new(), sorted: Vec::new() }
     }
 
     /// The forest of the edges of a tile.
-    fn forest(&mut self, mut list: Vec<Saddle>) -> Vec<Saddle> {
-        for basin in list.iter_mut().flat_map(|saddle| &mut saddle.basins) {
+    fn forest<R: Filtration>(&mut self, filtration: &R, labels: &[u32], tile: Range<usize>) -> Vec<Saddle> {
+        self.recent.find(filtration, labels, tile);
+        for basin in self.recent.list.iter_mut().flat_map(|saddle| &mut saddle.basins) {
             let number = &mut self.of[*basin as usize];
             if *number == NONE {
                 *number = self.basins.len() as u32;
@@ -125,7 +110,7 @@ impl Numbers {
             }
             *basin = *number;
         }
-        let mut forest = forest(list, self.basins.len());
+        let mut forest = forest(&self.recent.list, self.basins.len(), &mut self.sorted);
         for basin in forest.iter_mut().flat_map(|saddle| &mut saddle.basins) {
             *basin = self.basins[*basin as usize];
         }
@@ -134,33 +119,41 @@ impl Numbers {
     }
 }
 
-/// Thins out a list of edges by Borůvka's rounds: each chooses the lowest edge out of every group of
-/// basins, and drops the edges within what it joins.
-fn forest(mut list: Vec<Saddle>, count: usize) -> Vec<Saddle> {
-    let mut sets = DisjointSets::new(count);
-    let mut group: Vec<u32> = (0..count as u32).collect();
-    let mut forest = Vec::with_capacity(count);
-    // A few edges more cost less than another round.
-    while list.len() > count / 8 {
-        let mut best = vec![Saddle::NONE; count];
-        for saddle in &list {
-            for basin in saddle.basins {
-                let best = &mut best[group[basin as usize] as usize];
-                if saddle.before(best) {
-                    *best = *saddle;
-                }
-            }
-        }
-        for edge in best.into_iter().filter(|edge| edge.basins[0] != NONE) {
-            if sets.union(edge.basins[0], edge.basins[1]).is_some() {
-                forest.push(edge);
-            }
-        }
-        for (basin, group) in group.iter_mut().enumerate() {
-            *group = sets.find(basin as u32);
-        }
-        list.retain(|saddle| group[saddle.basins[0] as usize] != group[saddle.basins[1] as usize]);
+/// A minimum spanning forest of `count` basins, by ascending level.
+///
+/// Edges are counted into buckets by level. What lower buckets have joined already is dropped before a bucket is
+/// sorted: of many edges most.
+fn forest(list: &[Saddle], count: usize, sorted: &mut Vec<Saddle>) -> Vec<Saddle> {
+    let (low, high) = list.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), saddle| {
+        (saddle.level.min(low), saddle.level.max(high))
+    });
+    let buckets = (list.len() / 128).clamp(1, 1 << 10) as u32;
+    let scale = Scale::new(low, high, buckets);
+    let mut ends = vec![0u32; buckets as usize];
+    list.iter().for_each(|saddle| ends[scale.part(saddle.level, buckets) as usize] += 1);
+    let mut sum = 0;
+    for end in &mut ends {
+        sum += std::mem::replace(end, sum);
     }
-    forest.append(&mut list);
+    sorted.clear();
+    sorted.resize(list.len(), Saddle { level: 0.0, basins: [0; 2] });
+    for &saddle in list {
+        let at = &mut ends[scale.part(saddle.level, buckets) as usize];
+        sorted[*at as usize] = saddle;
+        *at += 1;
+    }
+    let mut sets = DisjointSets::new(count);
+    let mut forest = Vec::with_capacity(count);
+    let mut bucket = Vec::new();
+    let mut start = 0;
+    for end in ends {
+        let all = sorted[start..end as usize].iter();
+        bucket.clear();
+        bucket.extend(all.filter(|saddle| sets.find(saddle.basins[0]) != sets.find(saddle.basins[1])));
+        bucket.sort_unstable_by(by_level);
+        forest
+            .extend(bucket.iter().filter(|saddle| sets.union(saddle.basins[0], saddle.basins[1]).is_some()));
+        start = end as usize;
+    }
     forest
 }

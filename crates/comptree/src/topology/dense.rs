@@ -78,7 +78,7 @@ fn least_at_border<V: GreyValue, const DOWN: bool>(
     best as u32
 }
 
-/// The same for all of `range`, from which all `K` offsets lead inside; the first `back` lead back,
+/// The same for all of `range`, from which all `K` offsets lead inside; the first half of them lead back,
 /// from near to far, the others forward, from near to far. So ties go to the smaller number without
 /// comparing numbers.
 #[inline(always)]
@@ -86,23 +86,30 @@ fn least_inside<V: GreyValue, const DOWN: bool, const K: usize>(
     values: &[V],
     range: Range<usize>,
     offsets: [isize; K],
-    back: usize,
     f: &mut impl FnMut(u32, u32),
 ) {
-    let len = range.len();
-    let shifted = |o: isize| &values[range.start.wrapping_add_signed(o)..][..len];
-    let centre = shifted(0);
-    let around = offsets.map(shifted);
-    for i in 0..len {
-        let v = range.start + i;
-        let (mut best, mut least) = (v, centre[i]);
-        for k in 0..K {
-            let x = around[k][i];
-            let takes = if k < back { !lower::<V, DOWN>(least, x) } else { lower::<V, DOWN>(x, least) };
-            best = if takes { v.wrapping_add_signed(offsets[k]) } else { best };
-            least = if takes { x } else { least };
+    const BLOCK: usize = 64;
+    let mut steps = [0; 32];
+    steps[1..=K].copy_from_slice(&offsets);
+    for start in range.clone().step_by(BLOCK) {
+        let len = BLOCK.min(range.end - start);
+        let shifted = |o: isize| &values[start.wrapping_add_signed(o)..][..len];
+        let (centre, around) = (shifted(0), offsets.map(shifted));
+        let mut best = [V::Step::from(0); BLOCK];
+        // A loop without calls and branches: it is done in vector registers.
+        for i in 0..len {
+            let (mut step, mut least) = (V::Step::from(0), centre[i]);
+            for k in 0..K {
+                let x = around[k][i];
+                let takes = if k < K / 2 { !lower::<V, DOWN>(least, x) } else { lower::<V, DOWN>(x, least) };
+                step = if takes { V::Step::from(k as u8 + 1) } else { step };
+                least = if takes { x } else { least };
+            }
+            best[i] = step;
         }
-        f(v as u32, best as u32);
+        for (v, &step) in (start..).zip(&best[..len]) {
+            f(v as u32, v.wrapping_add_signed(steps[V::index(step) & 31]) as u32);
+        }
     }
 }
 
@@ -152,11 +159,11 @@ impl Topology for DenseGrid {
                 let back = steps.iter().filter(|s| s.0 < 0).count();
                 // Back steps from near to far, then forward ones.
                 let at = |k: usize| if k < back { steps[back - 1 - k].0 } else { steps[k].0 };
-                match steps.len() {
-                    6 => least_inside::<V, DOWN, 6>(values, inner, std::array::from_fn(at), back, &mut f),
-                    26 => least_inside::<V, DOWN, 26>(values, inner, std::array::from_fn(at), back, &mut f),
-                    4 => least_inside::<V, DOWN, 4>(values, inner, std::array::from_fn(at), back, &mut f),
-                    8 => least_inside::<V, DOWN, 8>(values, inner, std::array::from_fn(at), back, &mut f),
+                match (steps.len(), back) {
+                    (6, 3) => least_inside::<V, DOWN, 6>(values, inner, std::array::from_fn(at), &mut f),
+                    (26, 13) => least_inside::<V, DOWN, 26>(values, inner, std::array::from_fn(at), &mut f),
+                    (4, 2) => least_inside::<V, DOWN, 4>(values, inner, std::array::from_fn(at), &mut f),
+                    (8, 4) => least_inside::<V, DOWN, 8>(values, inner, std::array::from_fn(at), &mut f),
                     _ => {
                         for v in inner {
                             let all = steps.iter().map(|s| s.0);
