@@ -1,5 +1,7 @@
 //! Where a part ends: the area of borders between elements, and the narrowest border along a branch.
 
+use std::borrow::Cow;
+
 use mser3d_comptree::ComponentTree;
 use mser3d_shape::TriangleMesh;
 use mser3d_shape::vector::{norm, sub};
@@ -8,10 +10,10 @@ use crate::{DiscreteShape, Elements};
 
 /// The linked neighbours of each element, and the border that it shares with each: the area of a voxel's face, or on a
 /// surface the length of the border between the cells around two vertices.
+#[derive(Clone)]
 pub(super) struct Links {
     offsets: Vec<usize>,
-    to: Vec<u32>,
-    areas: Vec<f64>,
+    neighbours: Vec<(u32, f64)>,
 }
 
 impl Links {
@@ -22,7 +24,7 @@ impl Links {
                 let spacing = grid.frame().spacing();
                 let face = |axis: usize| spacing[(axis + 1) % 3] * spacing[(axis + 2) % 3];
                 let pairs = (0..3).flat_map(|axis| grid.linked_pairs(axis).map(move |p| (p, face(axis))));
-                Self::of_pairs(grid.len(), pairs.collect())
+                Self::of_pairs(grid.len(), &pairs.collect::<Vec<_>>())
             }
             Elements::Vertices { mesh, .. } => Self::of_mesh(mesh),
         }
@@ -30,36 +32,59 @@ impl Links {
 
     /// Neighbours by edges of a mesh.
     pub fn of_mesh(mesh: &TriangleMesh) -> Self {
-        Self::of_pairs(mesh.vertices().len(), dual_edges(mesh))
+        Self::of_pairs(mesh.vertices().len(), &dual_edges(mesh))
     }
 
-    /// Borders of pairs that are given twice add up.
-    fn of_pairs(len: usize, mut pairs: Vec<([u32; 2], f64)>) -> Self {
-        pairs.extend_from_within(..);
-        let half = pairs.len() / 2;
-        pairs[half..].iter_mut().for_each(|(pair, _)| pair.swap(0, 1));
-        pairs.sort_by_key(|(pair, _)| *pair);
-        let mut links = Self { offsets: vec![0; len + 1], to: Vec::new(), areas: Vec::new() };
-        let mut last = None;
-        for ([from, to], area) in pairs {
-            match links.areas.last_mut().filter(|_| last == Some([from, to])) {
-                Some(sum) => *sum += area,
-                None => {
-                    links.to.push(to);
-                    links.areas.push(area);
-                    links.offsets[from as usize + 1] += 1;
+    /// Borders of pairs that are given twice, each time the smaller element first, add up. Neighbours ascend.
+    fn of_pairs(len: usize, pairs: &[([u32; 2], f64)]) -> Self {
+        let mut ends = vec![0; len + 1];
+        pairs.iter().flat_map(|(pair, _)| pair).for_each(|&v| ends[v as usize + 1] += 1);
+        (0..len).for_each(|v| ends[v + 1] += ends[v]);
+        // Each row begins where the one before it ends; what is put there moves its beginning to its end.
+        let mut neighbours = vec![(0, 0.0); 2 * pairs.len()];
+        for &([u, v], area) in pairs {
+            for (from, to) in [(u, v), (v, u)] {
+                let at = &mut ends[from as usize];
+                neighbours[*at] = (to, area);
+                *at += 1;
+            }
+        }
+        let mut offsets = vec![0; len + 1];
+        let (mut start, mut kept) = (0, 0);
+        for v in 0..len {
+            neighbours[start..ends[v]].sort_by_key(|(to, _)| *to);
+            for at in start..ends[v] {
+                let (to, area) = neighbours[at];
+                if kept > offsets[v] && neighbours[kept - 1].0 == to {
+                    neighbours[kept - 1].1 += area;
+                } else {
+                    neighbours[kept] = (to, area);
+                    kept += 1;
                 }
             }
-            last = Some([from, to]);
+            (start, offsets[v + 1]) = (ends[v], kept);
         }
-        (0..len).for_each(|v| links.offsets[v + 1] += links.offsets[v]);
-        links
+        neighbours.truncate(kept);
+        Self { offsets, neighbours }
     }
 
-    /// The neighbours of an element, and the border shared with each.
-    pub fn around(&self, element: u32) -> impl Iterator<Item = (u32, f64)> + '_ {
-        let range = self.offsets[element as usize]..self.offsets[element as usize + 1];
-        self.to[range.clone()].iter().copied().zip(self.areas[range].iter().copied())
+    /// The neighbours of an element, ascending, and the border shared with each.
+    #[inline]
+    pub fn around(&self, element: u32) -> &[(u32, f64)] {
+        &self.neighbours[self.offsets[element as usize]..self.offsets[element as usize + 1]]
+    }
+
+    /// The same of some elements, ascending, numbered by their places among them.
+    fn among(&self, elements: &[u32]) -> Self {
+        let mut number = vec![u32::MAX; self.offsets.len() - 1];
+        elements.iter().zip(0..).for_each(|(&element, place)| number[element as usize] = place);
+        let mut own = Self { offsets: vec![0], neighbours: Vec::new() };
+        for &element in elements {
+            let linked = self.around(element).iter().map(|&(to, area)| (number[to as usize], area));
+            own.neighbours.extend(linked.filter(|(to, _)| *to != u32::MAX));
+            own.offsets.push(own.neighbours.len());
+        }
+        own
     }
 }
 
@@ -67,17 +92,23 @@ impl Links {
 pub(super) struct BodyLinks<'b> {
     /// Their numbers in the shape, ascending.
     pub elements: &'b [u32],
-    /// The neighbours of each, and the border shared with each.
-    pub around: Vec<Vec<(u32, f64)>>,
+    links: Cow<'b, Links>,
     /// Volume or area of each; empty where it is not asked for.
-    pub mass: Vec<f64>,
+    pub mass: &'b [f64],
 }
 
 impl<'b> BodyLinks<'b> {
-    pub fn new(elements: &'b [u32], links: &Links, mass: &[f64]) -> Self {
-        let number = |element: u32| elements.binary_search(&element).ok().map(|place| place as u32);
-        let around = |&e: &u32| links.around(e).filter_map(|(to, area)| Some((number(to)?, area))).collect();
-        Self { elements, around: elements.iter().map(around).collect(), mass: mass.to_vec() }
+    pub fn new(elements: &'b [u32], links: &'b Links, mass: &'b [f64]) -> Self {
+        // Mostly a body is all there is.
+        let all = elements.len() + 1 == links.offsets.len();
+        let links = if all { Cow::Borrowed(links) } else { Cow::Owned(links.among(elements)) };
+        Self { elements, links, mass }
+    }
+
+    /// The neighbours of an element, and the border shared with each.
+    #[inline]
+    pub fn around(&self, element: u32) -> &[(u32, f64)] {
+        self.links.around(element)
     }
 }
 
@@ -140,13 +171,16 @@ pub(super) fn narrowest(
     let mut change = vec![0.0; chain.len() + 1];
     for &v in tree.vertices(top) {
         let from = elements[v as usize];
-        for (to, area) in links.around(from) {
-            let (own, other) = (depth[from as usize], depth[to as usize]);
+        let own = depth[from as usize];
+        let mut less = change[own as usize];
+        for &(to, area) in links.around(from) {
+            let other = depth[to as usize];
             if own > other {
                 change[other as usize] += area;
-                change[own as usize] -= area;
+                less -= area;
             }
         }
+        change[own as usize] = less;
     }
     tree.vertices(top).iter().for_each(|&v| depth[elements[v as usize] as usize] = 0);
     let mut borders = Vec::with_capacity(chain.len());
