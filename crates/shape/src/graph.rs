@@ -57,6 +57,11 @@ impl Graph {
         Ok(Self { offsets, neighbours })
     }
 
+    /// The graph of rows of neighbours, ascending, of which each tells of both ends of its edges; and where they begin.
+    pub(crate) fn from_rows(offsets: Vec<usize>, neighbours: Vec<u32>) -> Self {
+        Self { offsets, neighbours }
+    }
+
     /// Number of vertices.
     pub fn len(&self) -> usize {
         self.offsets.len() - 1
