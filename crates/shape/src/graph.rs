@@ -62,6 +62,11 @@ impl Graph {
         Self { offsets, neighbours }
     }
 
+    /// Where the neighbours of each vertex begin and the last ones end, and all neighbours, one vertex after the other.
+    pub fn into_rows(self) -> (Vec<usize>, Vec<u32>) {
+        (self.offsets, self.neighbours)
+    }
+
     /// Number of vertices.
     pub fn len(&self) -> usize {
         self.offsets.len() - 1

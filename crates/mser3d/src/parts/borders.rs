@@ -3,30 +3,42 @@
 use std::borrow::Cow;
 
 use mser3d_comptree::ComponentTree;
-use mser3d_shape::TriangleMesh;
 use mser3d_shape::vector::{norm, sub};
+use mser3d_shape::{Connectivity, TriangleMesh};
 
-use crate::{DiscreteShape, Elements};
+use crate::{DiscreteShape, Elements, Error};
 
 /// The linked neighbours of each element, and the border that it shares with each: the area of a voxel's face, or on a
 /// surface the length of the border between the cells around two vertices.
 #[derive(Clone)]
 pub(super) struct Links {
     offsets: Vec<usize>,
-    neighbours: Vec<(u32, f64)>,
+    to: Vec<u32>,
+    borders: Borders,
+}
+
+/// The area of each border, or of all of them: voxels are mostly cubes, and what is not there has not to be read.
+#[derive(Clone)]
+enum Borders {
+    Each(Vec<f64>),
+    Alike(f64),
 }
 
 impl Links {
     /// Neighbours by faces of linked voxels, or by edges of the mesh.
-    pub fn of(shape: &DiscreteShape) -> Self {
+    pub fn of(shape: &DiscreteShape) -> Result<Self, Error> {
         match shape.elements() {
             Elements::Voxels { grid, .. } => {
                 let spacing = grid.frame().spacing();
                 let face = |axis: usize| spacing[(axis + 1) % 3] * spacing[(axis + 2) % 3];
+                if face(0) == face(1) && face(1) == face(2) {
+                    let (offsets, to) = grid.graph(Connectivity::Six)?.into_rows();
+                    return Ok(Self { offsets, to, borders: Borders::Alike(face(0)) });
+                }
                 let pairs = (0..3).flat_map(|axis| grid.linked_pairs(axis).map(move |p| (p, face(axis))));
-                Self::of_pairs(grid.len(), &pairs.collect::<Vec<_>>())
+                Ok(Self::of_pairs(grid.len(), &pairs.collect::<Vec<_>>()))
             }
-            Elements::Vertices { mesh, .. } => Self::of_mesh(mesh),
+            Elements::Vertices { mesh, .. } => Ok(Self::of_mesh(mesh)),
         }
     }
 
@@ -41,50 +53,60 @@ impl Links {
         pairs.iter().flat_map(|(pair, _)| pair).for_each(|&v| ends[v as usize + 1] += 1);
         (0..len).for_each(|v| ends[v + 1] += ends[v]);
         // Each row begins where the one before it ends; what is put there moves its beginning to its end.
-        let mut neighbours = vec![(0, 0.0); 2 * pairs.len()];
+        let mut rows = vec![(0, 0.0); 2 * pairs.len()];
         for &([u, v], area) in pairs {
             for (from, to) in [(u, v), (v, u)] {
                 let at = &mut ends[from as usize];
-                neighbours[*at] = (to, area);
+                rows[*at] = (to, area);
                 *at += 1;
             }
         }
-        let mut offsets = vec![0; len + 1];
-        let (mut start, mut kept) = (0, 0);
+        let (mut offsets, mut start) = (vec![0; len + 1], 0);
+        let (mut to, mut areas) = (Vec::with_capacity(rows.len()), Vec::with_capacity(rows.len()));
         for v in 0..len {
-            neighbours[start..ends[v]].sort_by_key(|(to, _)| *to);
-            for at in start..ends[v] {
-                let (to, area) = neighbours[at];
-                if kept > offsets[v] && neighbours[kept - 1].0 == to {
-                    neighbours[kept - 1].1 += area;
-                } else {
-                    neighbours[kept] = (to, area);
-                    kept += 1;
-                }
+            let row = &mut rows[start..ends[v]];
+            row.sort_by_key(|(to, _)| *to);
+            for of_one in row.chunk_by(|a, b| a.0 == b.0) {
+                to.push(of_one[0].0);
+                areas.push(of_one[1..].iter().fold(of_one[0].1, |sum, (_, area)| sum + area));
             }
-            (start, offsets[v + 1]) = (ends[v], kept);
+            (start, offsets[v + 1]) = (ends[v], to.len());
         }
-        neighbours.truncate(kept);
-        Self { offsets, neighbours }
+        Self { offsets, to, borders: Borders::Each(areas) }
     }
 
     /// The neighbours of an element, ascending, and the border shared with each.
     #[inline]
-    pub fn around(&self, element: u32) -> &[(u32, f64)] {
-        &self.neighbours[self.offsets[element as usize]..self.offsets[element as usize + 1]]
+    pub fn around(&self, element: u32) -> impl Iterator<Item = (u32, f64)> + '_ {
+        let range = self.offsets[element as usize]..self.offsets[element as usize + 1];
+        let (each, alike) = match &self.borders {
+            Borders::Each(areas) => (&areas[range.clone()], 0.0),
+            Borders::Alike(area) => (&[][..], *area),
+        };
+        let area = move |i: usize| each.get(i).copied().unwrap_or(alike);
+        self.to[range].iter().enumerate().map(move |(i, &to)| (to, area(i)))
     }
 
     /// The same of some elements, ascending, numbered by their places among them.
     fn among(&self, elements: &[u32]) -> Self {
         let mut number = vec![u32::MAX; self.offsets.len() - 1];
         elements.iter().zip(0..).for_each(|(&element, place)| number[element as usize] = place);
-        let mut own = Self { offsets: vec![0], neighbours: Vec::new() };
+        let (mut offsets, mut to, mut areas) = (vec![0], Vec::new(), Vec::new());
         for &element in elements {
-            let linked = self.around(element).iter().map(|&(to, area)| (number[to as usize], area));
-            own.neighbours.extend(linked.filter(|(to, _)| *to != u32::MAX));
-            own.offsets.push(own.neighbours.len());
+            for (other, area) in self.around(element).filter(|(other, _)| number[*other as usize] != u32::MAX)
+            {
+                to.push(number[other as usize]);
+                if let Borders::Each(_) = self.borders {
+                    areas.push(area);
+                }
+            }
+            offsets.push(to.len());
         }
-        own
+        let borders = match self.borders {
+            Borders::Each(_) => Borders::Each(areas),
+            Borders::Alike(area) => Borders::Alike(area),
+        };
+        Self { offsets, to, borders }
     }
 }
 
@@ -107,7 +129,7 @@ impl<'b> BodyLinks<'b> {
 
     /// The neighbours of an element, and the border shared with each.
     #[inline]
-    pub fn around(&self, element: u32) -> &[(u32, f64)] {
+    pub fn around(&self, element: u32) -> impl Iterator<Item = (u32, f64)> + '_ {
         self.links.around(element)
     }
 }
@@ -173,7 +195,7 @@ pub(super) fn narrowest(
         let from = elements[v as usize];
         let own = depth[from as usize];
         let mut less = change[own as usize];
-        for &(to, area) in links.around(from) {
+        for (to, area) in links.around(from) {
             let other = depth[to as usize];
             if own > other {
                 change[other as usize] += area;

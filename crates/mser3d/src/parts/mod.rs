@@ -102,7 +102,7 @@ pub fn partition(
 ) -> Result<Partition, Error> {
     parameters.validate()?;
     let shape = &features.shape;
-    let links = Links::of(shape);
+    let links = Links::of(shape)?;
     let mut mass = vec![0.0; shape.len()];
     for body in &features.bodies {
         body.elements.iter().zip(body.basis.mass()).for_each(|(&e, &m)| mass[e as usize] = m);

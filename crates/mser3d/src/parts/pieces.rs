@@ -24,7 +24,7 @@ impl Pieces {
             let mut volume = 0.0;
             while let Some(v) = stack.pop() {
                 volume += body.mass[v as usize];
-                for &(to, _) in body.around(v) {
+                for (to, _) in body.around(v) {
                     if of_element[to as usize] == u32::MAX && labels[to as usize] == part {
                         of_element[to as usize] = number;
                         stack.push(to);
@@ -73,8 +73,8 @@ pub(super) fn join_crumbs(labels: &mut [u32], parts: usize, body: &BodyLinks, sm
         if is_crumb(piece) {
             let borders = &mut shared[piece as usize];
             borders.resize(parts, 0.0);
-            let others = body.around(v).iter().filter(|&&(to, _)| labels[to as usize] != label);
-            others.for_each(|&(to, area)| borders[labels[to as usize] as usize] += area);
+            let others = body.around(v).filter(|&(to, _)| labels[to as usize] != label);
+            others.for_each(|(to, area)| borders[labels[to as usize] as usize] += area);
         }
     }
     for (label, piece) in labels.iter_mut().zip(&all.of_element) {
@@ -115,8 +115,8 @@ pub(super) fn grow_into(labels: &mut Vec<u32>, part: u32, body: &BodyLinks) -> b
     while !left.is_empty() {
         // The neighbour of another part with the largest border, of several that of the part with the smallest number.
         let taken = |&v: &u32| {
-            let others = body.around(v).iter().filter(|&&(to, _)| grown[to as usize] != part);
-            let next = others.map(|&(to, area)| (area, grown[to as usize]));
+            let others = body.around(v).filter(|&(to, _)| grown[to as usize] != part);
+            let next = others.map(|(to, area)| (area, grown[to as usize]));
             next.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1))).map(|(_, other)| (v, other))
         };
         let layer: Vec<(u32, u32)> = left.iter().filter_map(taken).collect();

@@ -65,15 +65,14 @@ fn smooth(labels: &mut [u32], parts: usize, body: &BodyLinks, steps: usize) {
         return;
     }
     let band = band(labels, body, steps);
-    let border = |&v: &u32| body.around(v).iter().fold(0.0, |total, (_, area)| total + area);
+    let border = |&v: &u32| body.around(v).fold(0.0, |total, (_, area)| total + area);
     let borders: Vec<f64> = band.iter().map(border).collect();
     let share = |part: u32| -> Vec<f64> {
         let mut now: Vec<f64> = labels.iter().map(|&l| f64::from(u8::from(l == part))).collect();
         let mut next = now.clone();
         for _ in 0..steps {
             for (&v, &total) in band.iter().zip(&borders) {
-                let around = body.around(v).iter();
-                let sum = around.fold(0.0, |sum, &(to, area)| sum + area * now[to as usize]);
+                let sum = body.around(v).fold(0.0, |sum, (to, area)| sum + area * now[to as usize]);
                 let mean = if total > 0.0 { sum / total } else { now[v as usize] };
                 next[v as usize] = 0.5 * (now[v as usize] + mean);
             }
@@ -95,8 +94,7 @@ fn smooth(labels: &mut [u32], parts: usize, body: &BodyLinks, steps: usize) {
 
 /// The elements within some steps from a border, ascending: farther away nothing changes in as many steps.
 fn band(labels: &[u32], body: &BodyLinks, steps: usize) -> Vec<u32> {
-    let at_border =
-        |&v: &u32| body.around(v).iter().any(|&(to, _)| labels[to as usize] != labels[v as usize]);
+    let at_border = |&v: &u32| body.around(v).any(|(to, _)| labels[to as usize] != labels[v as usize]);
     let mut band: Vec<u32> = (0..labels.len() as u32).filter(at_border).collect();
     let mut known = vec![false; labels.len()];
     band.iter().for_each(|&v| known[v as usize] = true);
@@ -104,7 +102,7 @@ fn band(labels: &[u32], body: &BodyLinks, steps: usize) -> Vec<u32> {
     for _ in 0..steps {
         let to = band.len();
         for at in from..to {
-            for &(next, _) in body.around(band[at]) {
+            for (next, _) in body.around(band[at]) {
                 if !std::mem::replace(&mut known[next as usize], true) {
                     band.push(next);
                 }
