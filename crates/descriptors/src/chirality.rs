@@ -222,7 +222,11 @@ fn project(
                 at(place, &mut values, &mut |element, measure| parts.push((element, measure)));
                 for &(element, measure) in &parts {
                     let rows = sums.chunks_exact_mut(modes);
-                    arch.dispatch(|| project_one(&values, measure, basis.at(element), &mut squares, rows));
+                    let phi = basis.at(element);
+                    arch.dispatch(
+                        #[inline(always)]
+                        || project_one(&values, measure, phi, &mut squares, rows),
+                    );
                 }
             }
             (squares, sums)
@@ -278,15 +282,20 @@ impl LogHeat {
         let decays: Vec<[f64; MOST_TIMES]> = basis.eigenvalues().iter().map(decay).collect();
         let count = times.len();
         let mut values = vec![0.0; basis.len() * count];
-        spectral_sums::for_each_row(&mut values, count, |v, logs| {
-            let mut sums = [0.0; MOST_TIMES];
-            for (decay, phi) in decays.iter().zip(basis.at(v)) {
-                let square = phi * phi;
-                sums.iter_mut().zip(decay).for_each(|(sum, d)| *sum += d * square);
-            }
-            // No heat at all is where no eigenfunction lives, on a whole component: its logarithm is as level.
-            logs.iter_mut().zip(sums).for_each(|(log, sum)| *log = sum.max(f64::MIN_POSITIVE).ln());
-        });
+        spectral_sums::for_each_row(
+            &mut values,
+            count,
+            #[inline(always)]
+            |v, logs| {
+                let mut sums = [0.0; MOST_TIMES];
+                for (decay, phi) in decays.iter().zip(basis.at(v)) {
+                    let square = phi * phi;
+                    sums.iter_mut().zip(decay).for_each(|(sum, d)| *sum += d * square);
+                }
+                // No heat at all is where no eigenfunction lives, on a whole component: its logarithm is as level.
+                logs.iter_mut().zip(sums).for_each(|(log, sum)| *log = sum.max(f64::MIN_POSITIVE).ln());
+            },
+        );
         Ok(Self { times: count, values })
     }
 

@@ -43,12 +43,17 @@ pub(crate) fn at_times(
 ) -> Result<Vec<f64>, DescriptorError> {
     let decays: Vec<Vec<f64>> = times.iter().map(|&t| decay(basis, t)).collect::<Result<_, _>>()?;
     let mut values = vec![0.0; vertices.len() * times.len()];
-    spectral_sums::for_each_row(&mut values, times.len(), |row, samples| {
-        let phi = basis.at(vertices.vertex(row));
-        for (sample, decay) in samples.iter_mut().zip(&decays) {
-            *sample = spectral_sums::sum(decay, |i| phi[i] * phi[i]);
-        }
-    });
+    spectral_sums::for_each_row(
+        &mut values,
+        times.len(),
+        #[inline(always)]
+        |row, samples| {
+            let phi = basis.at(vertices.vertex(row));
+            for (sample, decay) in samples.iter_mut().zip(&decays) {
+                *sample = spectral_sums::sum(decay, |i| phi[i] * phi[i]);
+            }
+        },
+    );
     Ok(values)
 }
 

@@ -82,13 +82,16 @@ pub fn region_means<R: AsRef<[u32]> + Sync>(basis: &Eigenbasis, regions: &[R]) -
     let mean = |region: &R| {
         let mut sums = vec![0.0; basis.eigenvalues().len()];
         let mut total = 0.0;
-        arch.dispatch(|| {
-            for &vertex in region.as_ref() {
-                let m = basis.mass()[vertex as usize];
-                total += m;
-                spectral_sums::add_multiple(&mut sums, m, basis.at(vertex as usize));
-            }
-        });
+        arch.dispatch(
+            #[inline(always)]
+            || {
+                for &vertex in region.as_ref() {
+                    let m = basis.mass()[vertex as usize];
+                    total += m;
+                    spectral_sums::add_multiple(&mut sums, m, basis.at(vertex as usize));
+                }
+            },
+        );
         sums.iter_mut().for_each(|sum| *sum /= total);
         sums
     };

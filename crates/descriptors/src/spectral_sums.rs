@@ -26,21 +26,33 @@ pub(crate) fn check(basis: EigenbasisView<'_>) -> Result<(), DescriptorError> {
 /// `sum_i w_i phi_(first + i)(v)^2` of every vertex.
 pub(crate) fn weighted_squares(basis: EigenbasisView<'_>, first: usize, weights: &[f64]) -> Vec<f64> {
     let mut values = vec![0.0; basis.len()];
-    for_each_row(&mut values, 1, |v, value| {
-        let phi = &basis.at(v)[first..first + weights.len()];
-        value[0] = sum(weights, |i| phi[i] * phi[i]);
-    });
+    for_each_row(
+        &mut values,
+        1,
+        #[inline(always)]
+        |v, value| {
+            let phi = &basis.at(v)[first..first + weights.len()];
+            value[0] = sum(weights, |i| phi[i] * phi[i]);
+        },
+    );
     values
 }
 
-/// Fills rows of numbers in parallel, by a function that is compiled for vectors as wide as the processor has. That changes no
-/// bit: multiplications and additions are rounded each, and come in the order in which they are written.
+/// Fills rows of numbers in parallel, by a function that is compiled for vectors as wide as the processor has, if it is inlined.
+/// That changes no bit: multiplications and additions are rounded each, and come in the order in which they are written.
 pub(crate) fn for_each_row(values: &mut [f64], width: usize, fill: impl Fn(usize, &mut [f64]) + Sync) {
     const ROWS: usize = 256;
     let (arch, width) = (Arch::new(), width.max(1));
     values.par_chunks_mut(ROWS * width).enumerate().for_each(|(block, values)| {
         let rows = values.chunks_exact_mut(width).enumerate();
-        arch.dispatch(|| rows.for_each(|(row, values)| fill(block * ROWS + row, values)));
+        arch.dispatch(
+            #[inline(always)]
+            || {
+                for (row, values) in rows {
+                    fill(block * ROWS + row, values);
+                }
+            },
+        );
     });
 }
 
