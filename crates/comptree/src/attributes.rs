@@ -104,10 +104,13 @@ impl ComponentTree {
 
     /// The same on another scale: `level` rises towards the root.
     pub(crate) fn persistence_of(&self, level: impl Fn(u32) -> f64) -> Vec<f64> {
-        // The lowest level in each node, and the child it comes from.
-        let mut lowest: Vec<f64> = (0..self.len() as u32).map(&level).collect();
+        // The lowest level in each node, and the child it comes from; of a node without children its own.
+        let mut lowest = vec![0.0; self.len()];
         let mut from = vec![NONE; self.len()];
         for node in 0..self.len() {
+            if from[node] == NONE {
+                lowest[node] = level(node as u32);
+            }
             let parent = self.parents[node];
             if parent != NONE && (from[parent as usize] == NONE || lowest[node] < lowest[parent as usize]) {
                 lowest[parent as usize] = lowest[node];

@@ -112,14 +112,13 @@ pub fn pool<'v>(
     }
     kept.sort_by_key(|(candidate, _)| (candidate.tree, candidate.region));
     kept.sort_by(|(a, _), (b, _)| b.volume.total_cmp(&a.volume));
-    let pooled = kept.iter().enumerate().map(|(place, (candidate, _))| {
+    let pooled = kept.iter().enumerate().map(|(place, (candidate, members))| {
         let &Candidate { tree, region, vertices, volume, .. } = candidate;
         let contains = |(larger, members): &(Candidate<'_>, IndexSet)| {
             larger.volume > volume && vertices.iter().all(|&v| members.contains(v as usize))
         };
         let parent = kept[..place].iter().rposition(contains);
-        let mut vertices = vertices.to_vec();
-        vertices.sort_unstable();
+        let vertices = members.members().map(|v| v as u32).collect();
         PooledRegion { tree, region, volume, parent, vertices }
     });
     Ok(pooled.collect())

@@ -2,6 +2,7 @@
 
 use mser3d_shape::vector::{cross, dot, norm};
 use mser3d_shape::{Eigenbasis, TriangleMesh, VoxelGrid};
+use pulp::Arch;
 use rayon::prelude::*;
 
 use crate::{DescriptorError, TimeScale, spectral_sums};
@@ -209,7 +210,7 @@ fn project(
     places: usize,
     at: impl Fn(usize, &mut [f64], &mut dyn FnMut(usize, f64)) + Sync,
 ) -> Chirality {
-    let modes = basis.eigenvalues().len();
+    let (modes, arch) = (basis.eigenvalues().len(), Arch::new());
     let blocks: Vec<(Vec<f64>, Vec<f64>)> = (0..places.div_ceil(BLOCK))
         .into_par_iter()
         .map(|block| {
@@ -220,13 +221,12 @@ fn project(
                 parts.clear();
                 at(place, &mut values, &mut |element, measure| parts.push((element, measure)));
                 for &(element, measure) in &parts {
+                    let rows = sums.chunks_exact_mut(modes);
                     let phi = basis.at(element);
-                    let fields = values.iter().zip(&mut squares).zip(sums.chunks_exact_mut(modes));
-                    for ((&value, square), sums) in fields {
-                        let weighed = measure * value;
-                        *square += weighed * value;
-                        sums.iter_mut().zip(phi).for_each(|(sum, x)| *sum += weighed * x);
-                    }
+                    arch.dispatch(
+                        #[inline(always)]
+                        || project_one(&values, measure, phi, &mut squares, rows),
+                    );
                 }
             }
             (squares, sums)
@@ -242,6 +242,22 @@ fn project(
         row.iter_mut().for_each(|c| *c = if length > 0.0 { *c / length } else { 0.0 });
     }
     Chirality { fields, coefficients }
+}
+
+/// Adds what an element contributes to the squared norm and the coefficients of each field.
+#[inline(always)]
+fn project_one<'a>(
+    values: &[f64],
+    measure: f64,
+    phi: &[f64],
+    squares: &mut [f64],
+    coefficients: impl Iterator<Item = &'a mut [f64]>,
+) {
+    for ((&value, square), sums) in values.iter().zip(squares).zip(coefficients) {
+        let weighed = measure * value;
+        *square += weighed * value;
+        spectral_sums::add_multiple(sums, weighed, phi);
+    }
 }
 
 /// log H_t(v,v) of all elements at all times.
@@ -266,15 +282,20 @@ impl LogHeat {
         let decays: Vec<[f64; MOST_TIMES]> = basis.eigenvalues().iter().map(decay).collect();
         let count = times.len();
         let mut values = vec![0.0; basis.len() * count];
-        values.par_chunks_mut(count).with_min_len(1024).enumerate().for_each(|(v, logs)| {
-            let mut sums = [0.0; MOST_TIMES];
-            for (decay, phi) in decays.iter().zip(basis.at(v)) {
-                let square = phi * phi;
-                sums.iter_mut().zip(decay).for_each(|(sum, d)| *sum += d * square);
-            }
-            // No heat at all is where no eigenfunction lives, on a whole component: its logarithm is as level.
-            logs.iter_mut().zip(sums).for_each(|(log, sum)| *log = sum.max(f64::MIN_POSITIVE).ln());
-        });
+        spectral_sums::for_each_row(
+            &mut values,
+            count,
+            #[inline(always)]
+            |v, logs| {
+                let mut sums = [0.0; MOST_TIMES];
+                for (decay, phi) in decays.iter().zip(basis.at(v)) {
+                    let square = phi * phi;
+                    sums.iter_mut().zip(decay).for_each(|(sum, d)| *sum += d * square);
+                }
+                // No heat at all is where no eigenfunction lives, on a whole component: its logarithm is as level.
+                logs.iter_mut().zip(sums).for_each(|(log, sum)| *log = sum.max(f64::MIN_POSITIVE).ln());
+            },
+        );
         Ok(Self { times: count, values })
     }
 

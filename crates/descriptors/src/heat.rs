@@ -1,6 +1,6 @@
 //! The heat kernel `H_t(u,v) = sum_i exp(-lambda_i t) phi_i(u) phi_i(v)` on vertices and edges (section 4.3).
 
-use crate::{DescriptorError, TimeScale, spectral_sums};
+use crate::{DescriptorError, TimeScale, spectral_sums, vertex_subset::VertexSubset};
 use mser3d_shape::EigenbasisView;
 use rayon::prelude::*;
 
@@ -19,6 +19,42 @@ pub fn auto_diffusivity<'a>(
     let basis = basis.into();
     let decay = decay(basis, t)?;
     Ok(spectral_sums::weighted_squares(basis, 0, &decay))
+}
+
+/// The [`auto_diffusivity`] at several times, in one pass over the eigenfunctions.
+///
+/// # Errors
+/// As [`auto_diffusivity`].
+pub fn auto_diffusivities<'a>(
+    basis: impl Into<EigenbasisView<'a>>,
+    times: &[f64],
+) -> Result<Vec<Vec<f64>>, DescriptorError> {
+    let basis = basis.into();
+    let rows = at_times(basis, times, VertexSubset::new(basis.len(), None)?)?;
+    let of_time = |time: usize| rows.iter().skip(time).step_by(times.len()).copied().collect();
+    Ok((0..times.len()).into_par_iter().map(of_time).collect())
+}
+
+/// A row for each of some vertices: H_t(v,v) at each time.
+pub(crate) fn at_times(
+    basis: EigenbasisView<'_>,
+    times: &[f64],
+    vertices: VertexSubset<'_>,
+) -> Result<Vec<f64>, DescriptorError> {
+    let decays: Vec<Vec<f64>> = times.iter().map(|&t| decay(basis, t)).collect::<Result<_, _>>()?;
+    let mut values = vec![0.0; vertices.len() * times.len()];
+    spectral_sums::for_each_row(
+        &mut values,
+        times.len(),
+        #[inline(always)]
+        |row, samples| {
+            let phi = basis.at(vertices.vertex(row));
+            for (sample, decay) in samples.iter_mut().zip(&decays) {
+                *sample = spectral_sums::sum(decay, |i| phi[i] * phi[i]);
+            }
+        },
+    );
+    Ok(values)
 }
 
 /// The heat kernel H_t(u,v) on each edge, in the order of the edges.

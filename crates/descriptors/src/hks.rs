@@ -1,7 +1,7 @@
 //! The heat kernel signature (section 5; Sun et al. 2009, Raviv et al. 2010).
+use crate::heat::at_times;
 use crate::{DescriptorError, Descriptors, TimeScale, spectral_sums, vertex_subset::VertexSubset};
 use mser3d_shape::EigenbasisView;
-use rayon::prelude::*;
 
 /// Parameters of [`hks`].
 #[derive(Clone, Debug, PartialEq)]
@@ -49,15 +49,6 @@ pub fn hks<'a>(
     params.validate()?;
     spectral_sums::check(basis)?;
     let subset = VertexSubset::new(basis.len(), vertices)?;
-    let decays: Vec<Vec<f64>> =
-        params.times.iter().map(|t| crate::heat::decay(basis, t.on(basis)?)).collect::<Result<_, _>>()?;
-    let q = decays.len();
-    let mut values = vec![0.0; subset.len() * q];
-    values.par_chunks_mut(q).with_min_len(256).enumerate().for_each(|(row, samples)| {
-        let phi = basis.at(subset.vertex(row));
-        for (sample, decay) in samples.iter_mut().zip(&decays) {
-            *sample = spectral_sums::sum(decay, |i| phi[i] * phi[i]);
-        }
-    });
-    Descriptors::new(q, values)
+    let times: Vec<f64> = params.times.iter().map(|t| t.on(basis)).collect::<Result<_, _>>()?;
+    Descriptors::new(times.len(), at_times(basis, &times, subset)?)
 }

@@ -67,7 +67,9 @@ pub use consistency::RegionCosines;
 pub use dense_map::{DenseMapParameters, MapPoints, MapShape, dense_map};
 pub use descriptor_table::Descriptors;
 pub use error::DescriptorError;
-pub use heat::{auto_diffusivity, diffusion_distance, heat_kernel, heat_trace, inverse_heat_kernel};
+pub use heat::{
+    auto_diffusivities, auto_diffusivity, diffusion_distance, heat_kernel, heat_trace, inverse_heat_kernel,
+};
 pub use hks::{HksParameters, hks};
 pub use integral_invariants::{IntegralInvariantParameters, integral_invariants};
 pub use matching::{
@@ -75,7 +77,7 @@ pub use matching::{
 };
 pub use mser3d_shape as shape;
 pub use mser3d_shape::InvalidParameter;
-pub use regions::region_descriptors;
+pub use regions::{region_descriptors, region_means};
 pub use si_hks::{SiHksParameters, si_hks};
 pub use time_scale::TimeScale;
 pub use vocabulary::{Vocabulary, VocabularyParameters};

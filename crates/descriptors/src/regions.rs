@@ -1,5 +1,7 @@
-//! Descriptors of regions (eq. 11).
-use crate::{DescriptorError, Descriptors};
+//! Descriptors of regions (eq. 11), and their means of eigenfunctions.
+use crate::{DescriptorError, Descriptors, spectral_sums};
+use mser3d_shape::Eigenbasis;
+use pulp::Arch;
 use rayon::prelude::*;
 
 /// The descriptors of regions (eq. 11): the volume-weighted mean of the descriptors of their vertices,
@@ -70,4 +72,28 @@ pub fn region_descriptors<R: AsRef<[u32]> + Sync>(
     };
     let means: Vec<Vec<f64>> = regions.par_iter().enumerate().map(mean).collect::<Result<_, _>>()?;
     Descriptors::new(rows.width(), means.concat())
+}
+
+/// The mean of each eigenfunction over each region, weighted by volume: regions as vectors over the eigenfunctions.
+///
+/// Of a region without volume it is NaN.
+pub fn region_means<R: AsRef<[u32]> + Sync>(basis: &Eigenbasis, regions: &[R]) -> Vec<Vec<f64>> {
+    let arch = Arch::new();
+    let mean = |region: &R| {
+        let mut sums = vec![0.0; basis.eigenvalues().len()];
+        let mut total = 0.0;
+        arch.dispatch(
+            #[inline(always)]
+            || {
+                for &vertex in region.as_ref() {
+                    let m = basis.mass()[vertex as usize];
+                    total += m;
+                    spectral_sums::add_multiple(&mut sums, m, basis.at(vertex as usize));
+                }
+            },
+        );
+        sums.iter_mut().for_each(|sum| *sum /= total);
+        sums
+    };
+    regions.par_iter().map(mean).collect()
 }

@@ -2,6 +2,7 @@
 
 use crate::DescriptorError;
 use mser3d_shape::EigenbasisView;
+use pulp::Arch;
 use rayon::prelude::*;
 
 /// Modes that have decayed by `exp(-41.5) = 1e-18` against the slowest one are left out: below the rounding
@@ -24,13 +25,41 @@ pub(crate) fn check(basis: EigenbasisView<'_>) -> Result<(), DescriptorError> {
 
 /// `sum_i w_i phi_(first + i)(v)^2` of every vertex.
 pub(crate) fn weighted_squares(basis: EigenbasisView<'_>, first: usize, weights: &[f64]) -> Vec<f64> {
-    let vertices = (0..basis.len()).into_par_iter().with_min_len(1024);
-    vertices
-        .map(|v| {
+    let mut values = vec![0.0; basis.len()];
+    for_each_row(
+        &mut values,
+        1,
+        #[inline(always)]
+        |v, value| {
             let phi = &basis.at(v)[first..first + weights.len()];
-            sum(weights, |i| phi[i] * phi[i])
-        })
-        .collect()
+            value[0] = sum(weights, |i| phi[i] * phi[i]);
+        },
+    );
+    values
+}
+
+/// Fills rows of numbers in parallel, by a function that is compiled for vectors as wide as the processor has, if it is inlined.
+/// That changes no bit: multiplications and additions are rounded each, and come in the order in which they are written.
+pub(crate) fn for_each_row(values: &mut [f64], width: usize, fill: impl Fn(usize, &mut [f64]) + Sync) {
+    const ROWS: usize = 256;
+    let (arch, width) = (Arch::new(), width.max(1));
+    values.par_chunks_mut(ROWS * width).enumerate().for_each(|(block, values)| {
+        let rows = values.chunks_exact_mut(width).enumerate();
+        arch.dispatch(
+            #[inline(always)]
+            || {
+                for (row, values) in rows {
+                    fill(block * ROWS + row, values);
+                }
+            },
+        );
+    });
+}
+
+/// `sums += factor * values`, number by number. To be called where code is compiled for wide vectors.
+#[inline(always)]
+pub(crate) fn add_multiple(sums: &mut [f64], factor: f64, values: &[f64]) {
+    sums.iter_mut().zip(values).for_each(|(sum, x)| *sum += factor * x);
 }
 
 /// `sum_i weights[i] term(i)` in four interleaved partial sums: always the same order, and no long chain of

@@ -140,7 +140,14 @@ macro_rules! values {
 
             fn write(&self, out: &mut impl Write) -> io::Result<()> {
                 match self {
-                    $(Self::$variant(values) => values.iter().try_for_each(|x| out.write_all(&x.to_le_bytes())),)*
+                    // Many at once: whoever gets them sums each piece and asks where it fits.
+                    $(Self::$variant(values) => {
+                        let mut bytes = [[0; size_of::<$type>()]; 1 << 10];
+                        values.chunks(bytes.len()).try_for_each(|values| {
+                            bytes.iter_mut().zip(values).for_each(|(bytes, x)| *bytes = x.to_le_bytes());
+                            out.write_all(bytes[..values.len()].as_flattened())
+                        })
+                    })*
                 }
             }
 

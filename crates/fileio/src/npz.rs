@@ -11,11 +11,11 @@ use zip::write::SimpleFileOptions;
 ///
 /// # Errors
 /// [`FileError::Write`], also for a name given twice.
-pub fn write_npz(path: &Path, arrays: &[(&str, NpyArray)]) -> Result<(), FileError> {
+pub fn write_npz(path: &Path, arrays: &[(impl AsRef<str>, NpyArray)]) -> Result<(), FileError> {
     write_atomically(path, |out| write(out, arrays))
 }
 
-fn write(out: impl Write + Seek, arrays: &[(&str, NpyArray)]) -> io::Result<()> {
+fn write(out: impl Write + Seek, arrays: &[(impl AsRef<str>, NpyArray)]) -> io::Result<()> {
     let mut target = Target { out, fault: None, position: 0, length: 0 };
     let mut archive = zip::ZipWriter::new(&mut target);
     for (name, array) in arrays {
@@ -24,7 +24,7 @@ fn write(out: impl Write + Seek, arrays: &[(&str, NpyArray)]) -> io::Result<()> 
             .last_modified_time(zip::DateTime::DEFAULT)
             .unix_permissions(0o644)
             .large_file(array.byte_len() > u64::from(u32::MAX));
-        archive.start_file(format!("{name}.npy"), options)?;
+        archive.start_file(format!("{}.npy", name.as_ref()), options)?;
         array.write(&mut archive)?;
     }
     archive.finish()?;

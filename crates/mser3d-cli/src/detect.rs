@@ -164,7 +164,9 @@ pub(crate) fn run(args: &DetectArgs) -> Result<(), CliError> {
     let folder = ResultsFolder::create(&output)?;
     interrupt::take_away(folder.made());
     let meter = Meter::new(args.run.quiet);
-    let found = args.find(&file, field.as_ref(), &args.write, &|p| meter.report(p), &|what| meter.warn(what));
+    let (report, warn) = (|told| meter.report(told), |what: &str| meter.warn(what));
+    // On one of rayon's threads: each loop is then begun and ended there, instead of handed over and waited for.
+    let found = rayon::scope(|_| args.find(&file, field.as_ref(), &args.write, &report, &warn));
     meter.finish();
     let (features, results) = found?;
     folder.write(&results, &args.write)?;

@@ -12,8 +12,18 @@ use crate::error::CliError;
 use crate::interrupt;
 use crate::numbers::positive;
 
-/// How often it is looked how much memory the process holds, and what time it is.
-const LOOK: Duration = Duration::from_millis(10);
+/// How soon it is looked again how much memory the process holds, and what time it is. A look costs time, and takes some from
+/// whoever asks for memory meanwhile.
+const SOONEST: Duration = Duration::from_millis(10);
+const LATEST: Duration = Duration::from_millis(50);
+
+/// How fast a process can take memory, in bytes a second.
+const FASTEST: f64 = 2e10;
+
+/// When to look again, with so many bytes left.
+fn pause(left: u64) -> Duration {
+    Duration::from_secs_f64(left as f64 / FASTEST).clamp(SOONEST, LATEST)
+}
 
 /// What a command may take. What is known before is refused before.
 #[derive(clap::Args, Clone, Debug)]
@@ -115,10 +125,13 @@ impl LimitOptions {
         let watch = Watch(Arc::clone(&ended));
         let (deadline, path) = (self.deadline(), path.display().to_string());
         let look = move || {
+            let mut left = 0;
             while !ended.load(Ordering::SeqCst) {
-                std::thread::sleep(LOOK);
-                if let Some(limit) = memory
-                    && let Some(held) = used_memory().filter(|&held| held > limit)
+                std::thread::sleep(pause(left));
+                let held = memory.and_then(|_| used_memory());
+                left = memory.unwrap_or(u64::MAX).saturating_sub(held.unwrap_or(0));
+                if let (Some(limit), Some(held)) = (memory, held)
+                    && held > limit
                     && !ended.load(Ordering::SeqCst)
                 {
                     let (held, limit) = (held.div_ceil(1_000_000), limit / 1_000_000);

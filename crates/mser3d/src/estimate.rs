@@ -65,7 +65,7 @@ const NEAREST: f64 = 0.4e-6;
 const NEAREST_SEEN: f64 = 3.5e-6;
 
 /// Seconds to divide an element's body into parts, for each element.
-const PARTS: f64 = 2e-6;
+const PARTS: f64 = 1.1e-6;
 
 impl Parameters {
     /// What a run with these parameters will take on an input, from its size alone: a pass over the mesh.
@@ -96,7 +96,7 @@ impl Parameters {
         let stages = StageSeconds {
             voxelize: solid.seconds + NEAREST_SEEN * solid.vertices,
             spectrum: spectrum.seconds,
-            regions: links * trees as f64 * elements * (160e-9 + 0.4e-9 * k) + weight.seconds,
+            regions: links * trees as f64 * elements * (95e-9 + 0.23e-9 * k) + weight.seconds,
             reliability: match Original::of(input).map(|original| self.copies_of(original, n)) {
                 None | Some(0) => 0.0,
                 Some(copies) => copies as f64 * self.seconds_of_copy(input, n),

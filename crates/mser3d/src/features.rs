@@ -61,7 +61,13 @@ impl Body {
 
     /// The place of an element of the shape among the body's; none for those of other bodies.
     pub fn number_of(&self, element: u32) -> Option<u32> {
-        self.elements.binary_search(&element).ok().map(|place| place as u32)
+        // Mostly a body is all there is.
+        let itself = self.elements.get(element as usize) == Some(&element);
+        if itself {
+            Some(element)
+        } else {
+            self.elements.binary_search(&element).ok().map(|place| place as u32)
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! What the operating system knows of memory: what this process has, and what it can still have.
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// The most memory that this process has held, in bytes; `None` where the system does not tell, as all but Linux.
@@ -125,7 +126,9 @@ impl Hierarchy {
 
 /// A field of a file of Linux's /proc in kB, as bytes.
 fn proc_field(file: &Path, field: &str) -> Option<u64> {
-    let text = std::fs::read_to_string(file).ok()?;
+    // Such a file says that it is empty, and each read makes it anew: one with room for all of it.
+    let mut text = String::with_capacity(1 << 13);
+    std::fs::File::open(file).ok()?.read_to_string(&mut text).ok()?;
     let line = text.lines().find(|l| l.starts_with(field))?;
     line.split_whitespace().nth(1)?.parse::<u64>().ok().map(|kb| kb * 1024)
 }

@@ -145,10 +145,14 @@ pub(crate) fn find_regions_with(
         report(progress, Stage::Regions, f64::min(*done, 1.0))
     };
     told(0.0)?;
-    let search = |&time_scale: &Option<TimeScale>| {
-        let time = time_scale.map(|scale| scale.with_unit(unit_time)).transpose()?;
+    let time = |scale: &Option<TimeScale>| scale.map(|scale| scale.with_unit(unit_time)).transpose();
+    let times: Vec<Option<f64>> = scales.iter().map(time).collect::<Result<_, _>>()?;
+    let numbers: Vec<f64> = times.iter().map(|time| time.unwrap_or_default()).collect();
+    let prepared = weighing.prepared(&numbers)?;
+    let search = |(place, prepared): (usize, Option<Vec<f64>>)| {
+        let (time_scale, time) = (scales[place], times[place]);
         let start = Instant::now();
-        let values = weighing.at(time.unwrap_or_default())?;
+        let values = weighing.at(numbers[place], prepared)?;
         let weighed = start.elapsed();
         told(WEIGHED)?;
         let tree = values.tree(&weighing)?;
@@ -161,14 +165,14 @@ pub(crate) fn find_regions_with(
         told(1.0 - WEIGHED - BUILT)?;
         Ok(Tree { body: 0, time_scale, time, tree, selection })
     };
-    let trees = scales.par_iter().map(search).collect::<Result<Vec<_>, Error>>()?;
+    let trees = prepared.into_par_iter().enumerate().map(search).collect::<Result<Vec<_>, Error>>()?;
     let selections: Vec<(&ComponentTree, &Selection)> =
         trees.iter().map(|t| (&t.tree, &t.selection)).collect();
     let pooled = pool(&selections, basis.mass(), &parameters.pool)?;
     let found: usize = trees.iter().map(|t| t.selection.regions.len()).sum();
     let duplicates = found - pooled.len();
     let regions = pooled
-        .into_iter()
+        .into_par_iter()
         .map(|region| {
             let stable = &trees[region.tree].selection.regions[region.region];
             Ok(Region {

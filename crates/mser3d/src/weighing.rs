@@ -5,10 +5,12 @@ use std::borrow::Cow;
 use mser3d_comptree::{
     AltitudeScale, ComponentTree, Polarity, Selection, StabilityParameters, join_levels, stable_regions,
 };
-use mser3d_descriptors::{auto_diffusivity, commute_time, diffusion_distance, inverse_heat_kernel};
+use mser3d_descriptors::{
+    auto_diffusivities, auto_diffusivity, commute_time, diffusion_distance, inverse_heat_kernel,
+};
 use mser3d_laplace::Operator;
-use mser3d_shape::Eigenbasis;
 use mser3d_shape::vector::{norm, sub};
+use mser3d_shape::{Connectivity, Eigenbasis, Graph};
 
 use crate::{DiscreteShape, Elements, Error, Field, Parameters, Weight};
 
@@ -26,6 +28,8 @@ pub(crate) struct Weighing<'a> {
     polarity: Polarity,
     /// What smooths weights, and for how long, in length^2.
     smoothing: Option<(Operator, f64)>,
+    /// The links between voxels, where several trees are built along them.
+    links: Option<Graph>,
 }
 
 /// The values of a weight: what a component tree is built over.
@@ -63,7 +67,16 @@ impl<'a> Weighing<'a> {
             Some(scale) => Some((shape.operator()?, scale.with_unit(unit_time)?)),
             None => None,
         };
-        let mut weighing = Self { shape, basis, parameters, field: None, polarity, smoothing };
+        // Of 26 neighbours they would take more memory than all else.
+        let links = match shape.elements() {
+            Elements::Voxels { grid, connectivity: Connectivity::Six }
+                if parameters.weight == Weight::Heat && parameters.time_scales.len() > 1 =>
+            {
+                Some(grid.graph(Connectivity::Six)?)
+            }
+            _ => None,
+        };
+        let mut weighing = Self { shape, basis, parameters, field: None, polarity, smoothing, links };
         weighing.field = match field {
             Some(field) if weighing.smoothing.is_some() => {
                 Some(Cow::Owned(field.with_components(|c| weighing.smoothed(field.component(c)))?))
@@ -81,9 +94,20 @@ impl<'a> Weighing<'a> {
         }
     }
 
-    /// The weights at time `t` (length^2, where the weight has one).
-    pub fn at(&self, t: f64) -> Result<Weights, Error> {
-        let mut values = self.values(t)?;
+    /// What the weights at each of some times can be made of with one look at the eigenfunctions; nothing for most weights.
+    pub fn prepared(&self, times: &[f64]) -> Result<Vec<Option<Vec<f64>>>, Error> {
+        Ok(match self.parameters.weight {
+            Weight::Heat => auto_diffusivities(self.basis, times)?.into_iter().map(Some).collect(),
+            _ => vec![None; times.len()],
+        })
+    }
+
+    /// The weights at time `t` (length^2, where the weight has one), of what was [prepared](Self::prepared) for it.
+    pub fn at(&self, t: f64, prepared: Option<Vec<f64>>) -> Result<Weights, Error> {
+        let mut values = match prepared {
+            Some(values) => Values::Elements(self.smoothed(values)?),
+            None => self.values(t)?,
+        };
         match self.parameters.stability.altitude {
             AltitudeScale::Log => {
                 let lowest = values.lowest();
@@ -186,9 +210,10 @@ impl Weights {
             (Values::Edges(edges, weights), _) => {
                 ComponentTree::from_edge_weights(of.shape.len(), edges, weights, volumes, polarity)?
             }
-            (Values::Elements(values), Elements::Voxels { grid, connectivity }) => {
-                ComponentTree::from_voxel_grid(grid, *connectivity, values, volumes, polarity)?
-            }
+            (Values::Elements(values), Elements::Voxels { grid, connectivity }) => match &of.links {
+                Some(links) => ComponentTree::from_graph(links, values, volumes, polarity)?,
+                None => ComponentTree::from_voxel_grid(grid, *connectivity, values, volumes, polarity)?,
+            },
             (Values::Elements(values), Elements::Vertices { edges, .. }) => {
                 ComponentTree::from_graph(edges, values, volumes, polarity)?
             }

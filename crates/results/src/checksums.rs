@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::ResultsError;
+use crate::beside::beside;
 
 /// What `checksums.json` says: the size and the SHA-256 of each file that was written with it. Its JSON Schema is
 /// `docs/checksums.schema.json`.
@@ -77,22 +78,12 @@ impl Checksums {
     /// # Errors
     /// [`ResultsError::Io`] for a file that cannot be read.
     pub fn of(folder: &Path, names: &[impl AsRef<str> + Sync]) -> Result<Self, ResultsError> {
-        let of = |name: &str| {
+        let of = |name: &str| -> Result<_, ResultsError> {
             let path = folder.join(name);
             let sum = FileChecksum::of(&path).map_err(|error| ResultsError::Io { path, error })?;
             Ok((name.to_owned(), sum))
         };
-        // The large ones beside each other.
-        let files: Vec<Result<_, ResultsError>> = std::thread::scope(|scope| {
-            let of = &of;
-            let threads = names.iter().map(AsRef::as_ref).map(|name| (name, scope.spawn(move || of(name))));
-            // A thread that died is no reason to know less.
-            threads
-                .collect::<Vec<_>>()
-                .into_iter()
-                .map(|(name, sum)| sum.join().unwrap_or_else(|_| of(name)))
-                .collect()
-        });
+        let files = beside(names, |name| of(name.as_ref()));
         Ok(Self { files: files.into_iter().collect::<Result<_, _>>()? })
     }
 

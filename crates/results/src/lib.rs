@@ -63,6 +63,7 @@
 //! ```
 #![warn(missing_docs)]
 
+mod beside;
 mod check;
 mod checksums;
 mod draw;

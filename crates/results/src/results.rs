@@ -1,5 +1,3 @@
-use std::collections::{BTreeMap, HashMap};
-
 use mser3d::{Features, Tree};
 use mser3d_shape::{Domain, IndexSet, TriangleMesh, VoxelGrid, innermost_regions};
 use mser3d_viewer::{RegionTraits, Rgb, region_colours, voxel_surface};
@@ -237,18 +235,34 @@ const NEARLY_ALL: f64 = 0.9;
 /// For each region the smallest larger one that holds nearly all of it: those of several trees need not nest to the last voxel. Regions come
 /// by falling size.
 fn around(regions: &[Vec<u32>]) -> Vec<Option<u32>> {
-    let mut holding: HashMap<u32, Vec<u32>> = HashMap::new();
+    // The regions that hold each member, one member after the other, each ascending.
+    let count = regions.iter().flatten().max().map_or(0, |&member| member as usize + 1);
+    let mut ends = vec![0; count + 1];
+    regions.iter().flatten().for_each(|&member| ends[member as usize + 1] += 1);
+    (0..count).for_each(|member| ends[member + 1] += ends[member]);
+    let mut holding = vec![0; ends[count]];
     for (region, own) in (0u32..).zip(regions) {
-        own.iter().for_each(|&member| holding.entry(member).or_default().push(region));
+        for &member in own {
+            // So that the beginnings become the ends.
+            let at = &mut ends[member as usize];
+            holding[*at] = region;
+            *at += 1;
+        }
     }
-    let around = |(region, own): (u32, &Vec<u32>)| {
-        let mut shared: BTreeMap<u32, usize> = BTreeMap::new();
-        let others = own.iter().filter_map(|member| holding.get(member)).flatten();
-        others.filter(|other| **other < region).for_each(|other| *shared.entry(*other).or_default() += 1);
-        let nearly = |(_, count): &(&u32, &usize)| **count as f64 >= NEARLY_ALL * own.len() as f64;
-        shared.iter().rev().find(nearly).map(|(other, _)| *other)
+    let holding = |member: u32| {
+        let start = if member == 0 { 0 } else { ends[member as usize - 1] };
+        &holding[start..ends[member as usize]]
     };
-    (0u32..).zip(regions).map(around).collect()
+    let around = |(region, own): (usize, &Vec<u32>)| {
+        let mut shared = vec![0; region];
+        for &member in own {
+            let larger = holding(member).iter().take_while(|other| (**other as usize) < region);
+            larger.for_each(|&other| shared[other as usize] += 1);
+        }
+        let nearly = |&count: &usize| count > 0 && count as f64 >= NEARLY_ALL * own.len() as f64;
+        shared.iter().rposition(nearly).map(|other| other as u32)
+    };
+    regions.iter().enumerate().map(around).collect()
 }
 
 /// The node in which each voxel of a solid, or each vertex of a surface, enters a tree.

@@ -2,6 +2,7 @@ use std::path::Path;
 
 use mser3d_fileio::{NpyArray, write_npz, write_text};
 
+use crate::beside::beside;
 use crate::eigenfunctions::write_eigenfunctions;
 use crate::folder::Kind;
 use crate::{Results, ResultsError, ResultsFolder};
@@ -44,6 +45,15 @@ impl Extra {
     }
 }
 
+/// A file of a result.
+enum File {
+    Arrays,
+    Surface,
+    Volume,
+    Extra(Extra),
+    Record,
+}
+
 impl Results {
     /// Writes the folder, which is made if it is not there: `regions.json`, `features.npz`, `surface.ply` of a mesh,
     /// `volume.vti` of a volume, and `checksums.json` of them all.
@@ -80,8 +90,39 @@ impl Results {
         Ok(write_text(&path, &json)?)
     }
 
-    /// Writes all files into an empty folder.
+    /// Writes all files into an empty folder, beside each other.
     pub(crate) fn write_files(&self, folder: &Path, extras: &[Extra]) -> Result<(), ResultsError> {
+        let mut files = vec![File::Arrays];
+        files.extend((!self.mesh_of_voxels).then_some(File::Surface));
+        files.extend(self.grid.is_some().then_some(File::Volume));
+        files.extend(extras.iter().copied().map(File::Extra));
+        files.push(File::Record);
+        let write = |file: &File| match file {
+            File::Arrays => self.write_arrays(folder),
+            File::Surface => self.export(&folder.join("surface.ply")).map(drop),
+            File::Volume => self.export(&folder.join("volume.vti")).map(drop),
+            File::Extra(extra) => self.write_extra(*extra, folder),
+            File::Record => self.write_record(folder),
+        };
+        beside(&files, write).into_iter().collect()
+    }
+
+    fn write_extra(&self, extra: Extra, folder: &Path) -> Result<(), ResultsError> {
+        let path = folder.join(extra.file_name());
+        match (extra, &self.eigenfunctions) {
+            (Extra::Eigenfunctions, Some(bodies)) => write_eigenfunctions(bodies, &path),
+            (Extra::Signatures, Some(bodies)) => self.write_signatures(bodies, &path),
+            (Extra::Fields, Some(bodies)) => self.write_fields(bodies, &path),
+            (extra, None) if extra.needs_eigenfunctions() => {
+                Err(ResultsError::NoEigenfunctions { folder: folder.to_owned() })
+            }
+            (Extra::FineSurface, _) => self.write_fine_surface(&path),
+            _ => self.export(&path).map(drop),
+        }
+    }
+
+    /// Writes `features.npz`.
+    fn write_arrays(&self, folder: &Path) -> Result<(), ResultsError> {
         let vertex_region = self.vertex_region();
         let voxel_region = self.voxel_region();
         let mut arrays = Vec::new();
@@ -124,30 +165,7 @@ impl Results {
         arrays.push(("region_twin".to_owned(), NpyArray::flat(twins)));
         arrays.push(("region_side".to_owned(), NpyArray::flat(sides)));
         arrays.extend(self.tree_arrays());
-        let arrays: Vec<(&str, NpyArray<'_>)> =
-            arrays.iter().map(|(name, array)| (name.as_str(), array.clone())).collect();
-        write_npz(&folder.join("features.npz"), &arrays)?;
-
-        if !self.mesh_of_voxels {
-            self.export(&folder.join("surface.ply"))?;
-        }
-        if self.grid.is_some() {
-            self.export(&folder.join("volume.vti"))?;
-        }
-        for extra in extras {
-            let path = folder.join(extra.file_name());
-            match (extra, &self.eigenfunctions) {
-                (Extra::Eigenfunctions, Some(bodies)) => write_eigenfunctions(bodies, &path)?,
-                (Extra::Signatures, Some(bodies)) => self.write_signatures(bodies, &path)?,
-                (Extra::Fields, Some(bodies)) => self.write_fields(bodies, &path)?,
-                (extra, None) if extra.needs_eigenfunctions() => {
-                    return Err(ResultsError::NoEigenfunctions { folder: folder.to_owned() });
-                }
-                (Extra::FineSurface, _) => self.write_fine_surface(&path)?,
-                _ => drop(self.export(&path)?),
-            }
-        }
-        self.write_record(folder)
+        Ok(write_npz(&folder.join("features.npz"), &arrays)?)
     }
 
     fn tree_arrays(&self) -> impl Iterator<Item = (String, NpyArray<'_>)> {

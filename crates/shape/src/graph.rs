@@ -57,6 +57,16 @@ impl Graph {
         Ok(Self { offsets, neighbours })
     }
 
+    /// The graph of rows of neighbours, ascending, of which each tells of both ends of its edges; and where they begin.
+    pub(crate) fn from_rows(offsets: Vec<usize>, neighbours: Vec<u32>) -> Self {
+        Self { offsets, neighbours }
+    }
+
+    /// Where the neighbours of each vertex begin and the last ones end, and all neighbours, one vertex after the other.
+    pub fn into_rows(self) -> (Vec<usize>, Vec<u32>) {
+        (self.offsets, self.neighbours)
+    }
+
     /// Number of vertices.
     pub fn len(&self) -> usize {
         self.offsets.len() - 1

@@ -201,12 +201,31 @@ impl VoxelGrid {
     /// # Errors
     /// [`ShapeError::DiagonalsUnknown`] when 26 neighbours are asked of a grid without diagonal links.
     pub fn graph(&self, connectivity: Connectivity) -> Result<Graph, ShapeError> {
-        let mut edges: Vec<[u32; 2]> = (0..3).flat_map(|axis| self.linked_pairs(axis)).collect();
-        if connectivity == Connectivity::TwentySix {
-            let cut = self.cut_diagonals.as_deref().ok_or(ShapeError::DiagonalsUnknown)?;
-            edges.extend(self.diagonal_pairs().filter(|pair| cut.binary_search(pair).is_err()));
+        if connectivity == Connectivity::Six {
+            return Ok(self.graph_of_faces());
         }
+        let cut = self.cut_diagonals.as_deref().ok_or(ShapeError::DiagonalsUnknown)?;
+        let mut edges: Vec<[u32; 2]> = (0..3).flat_map(|axis| self.linked_pairs(axis)).collect();
+        edges.extend(self.diagonal_pairs().filter(|pair| cut.binary_search(pair).is_err()));
         Graph::from_edges(self.len, &edges)
+    }
+
+    /// The graph of voxels that are linked through faces. Along each axis both members of the pairs ascend, so that a walk along
+    /// them meets the neighbours of each voxel in turn, and none has to be sorted.
+    fn graph_of_faces(&self) -> Graph {
+        let pairs: [Vec<[u32; 2]>; 3] = std::array::from_fn(|axis| self.linked_pairs(axis).collect());
+        let [mut before, mut after] = [0; 2].map(|_| pairs.each_ref().map(|pairs| pairs.iter().peekable()));
+        let mut offsets = Vec::with_capacity(self.len + 1);
+        offsets.push(0);
+        let mut neighbours = Vec::with_capacity(2 * pairs.iter().map(Vec::len).sum::<usize>());
+        for voxel in 0..self.len as u32 {
+            let back = before.iter_mut().rev().filter_map(|pairs| pairs.next_if(|pair| pair[1] == voxel));
+            neighbours.extend(back.map(|pair| pair[0]));
+            let forward = after.iter_mut().filter_map(|pairs| pairs.next_if(|pair| pair[0] == voxel));
+            neighbours.extend(forward.map(|pair| pair[1]));
+            offsets.push(neighbours.len());
+        }
+        Graph::from_rows(offsets, neighbours)
     }
 
     /// All pairs of diagonal neighbours inside, linked or not, as voxel numbers, the smaller first.
@@ -320,6 +339,24 @@ mod tests {
 
     fn solid(dims: [usize; 3]) -> VoxelGrid {
         VoxelGrid::solid(frame(dims), BitGrid::full(dims).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn the_graph_of_faces_is_that_of_all_linked_pairs() {
+        let mut random = crate::SplitMix64::new(7);
+        for dims in [[1, 1, 1], [70, 3, 4], [5, 9, 6]] {
+            let mut inside = BitGrid::empty(dims).unwrap();
+            let all = solid(dims);
+            all.voxels().filter(|_| random.uniform() < 0.7).for_each(|voxel| inside.set(voxel, true));
+            let mut grid = VoxelGrid::solid(frame(dims), inside).unwrap();
+            for axis in 0..3 {
+                let cut: Vec<[u32; 3]> = grid.voxels().filter(|_| random.uniform() < 0.2).collect();
+                grid = grid.with_cut_links(axis, &cut).0;
+            }
+            let edges: Vec<[u32; 2]> = (0..3).flat_map(|axis| grid.linked_pairs(axis)).collect();
+            let expected = Graph::from_edges(grid.len(), &edges);
+            assert_eq!(grid.graph(Connectivity::Six), expected);
+        }
     }
 
     #[test]

@@ -1,4 +1,4 @@
-use crate::ShapeError;
+use crate::{Bits, ShapeError};
 
 /// A set of vertices or voxels, one bit each: a region. Regions may overlap and nest.
 ///
@@ -66,7 +66,8 @@ impl IndexSet {
 
     /// The indices in the set, ascending.
     pub fn members(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.universe).filter(|&v| self.contains(v))
+        let members = |(word, bits): (usize, &u64)| Bits(*bits).map(move |bit| 64 * word + bit as usize);
+        self.words.iter().enumerate().flat_map(members)
     }
 
     /// The indices in both sets.

@@ -59,9 +59,10 @@ fn all(levels: &Levels<'_>, smallest: f64) -> Vec<Branch> {
         while let Some(at) = node {
             branch.nodes.push(at);
             let fork = Fork::of(tree, at, smallest);
-            branch.forked = fork.large.len() >= 2;
+            branch.forked = fork.large >= 2;
             if branch.forked {
-                tops.extend(fork.large.into_iter().map(|child| (child, Some(branches.len()))));
+                let large = tree.children(at).filter(|&child| tree.volume(child) >= smallest);
+                tops.extend(large.map(|child| (child, Some(branches.len()))));
             }
             node = fork.main.filter(|&c| !branch.forked && tree.volume(c) >= smallest / 2.0);
         }
@@ -211,14 +212,14 @@ fn join_merges(branches: &mut [Branch], min_lifetime: f64) {
 struct Fork {
     /// The largest child, unless several are.
     main: Option<u32>,
-    /// Children of at least the minimum volume.
-    large: Vec<u32>,
+    /// How many children have at least the minimum volume.
+    large: usize,
 }
 
 impl Fork {
     fn of(tree: &ComponentTree, node: u32, smallest: f64) -> Self {
         let (mut main, mut most, mut tie) = (None, f64::NEG_INFINITY, false);
-        let mut large = Vec::new();
+        let mut large = 0;
         for child in tree.children(node) {
             let volume = tree.volume(child);
             if volume > most {
@@ -226,9 +227,7 @@ impl Fork {
             } else if volume == most {
                 tie = true;
             }
-            if volume >= smallest {
-                large.push(child);
-            }
+            large += usize::from(volume >= smallest);
         }
         Self { main: main.filter(|_| !tie), large }
     }

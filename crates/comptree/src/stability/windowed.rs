@@ -1,7 +1,5 @@
 //! Eq. 5 with the derivative over a window of altitude: not in the paper, after the delta of MSER (Matas et
 //! al. 2002).
-use std::collections::VecDeque;
-
 use super::branches::{Branch, branches};
 use super::levels::Levels;
 use super::parameters::{AltitudeScale, StabilityParameters};
@@ -104,20 +102,18 @@ fn instability(branch: &Branch, window: f64) -> Vec<f64> {
 
 /// The least value among all nodes within the window of each, by a queue of rising values.
 fn least_in_window(levels: &[f64], values: &[f64], window: f64) -> Vec<f64> {
-    let mut queue: VecDeque<usize> = VecDeque::new();
-    let mut next = 0;
+    let mut queue: Vec<usize> = Vec::with_capacity(levels.len());
+    let (mut front, mut next) = (0, 0);
     let least = |i: usize| {
         while next < levels.len() && levels[next] <= levels[i] + window {
-            while queue.back().is_some_and(|&b| values[b] >= values[next]) {
-                queue.pop_back();
-            }
-            queue.push_back(next);
+            while queue.len() > front && queue.pop_if(|b| values[*b] >= values[next]).is_some() {}
+            queue.push(next);
             next += 1;
         }
-        while queue.front().is_some_and(|&f| levels[f] < levels[i] - window) {
-            queue.pop_front();
+        while queue.get(front).is_some_and(|&f| levels[f] < levels[i] - window) {
+            front += 1;
         }
-        queue.front().map_or(values[i], |&f| values[f])
+        queue.get(front).map_or(values[i], |&f| values[f])
     };
     (0..levels.len()).map(least).collect()
 }

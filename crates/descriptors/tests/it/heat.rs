@@ -43,6 +43,26 @@ fn the_auto_diffusivity_is_the_kernels_diagonal_and_integrates_to_the_heat_trace
 }
 
 #[test]
+fn one_pass_for_several_times_gives_the_bits_of_several_passes() {
+    let basis = box_basis([7, 5, 3], 0.5);
+    let times = [0.01, 20.0, 0.3];
+    let each: Vec<Vec<f64>> = times.iter().map(|&t| auto_diffusivity(&basis, t).unwrap()).collect();
+    assert_eq!(auto_diffusivities(&basis, &times).unwrap(), each);
+    assert_eq!(auto_diffusivities(&basis, &[]).unwrap(), [[0.0; 0]; 0]);
+    assert!(auto_diffusivities(&basis, &[1.0, 0.0]).is_err());
+}
+
+#[test]
+fn region_means_are_those_of_each_eigenfunction_by_volume() {
+    let mass = vec![1.0, 2.0, 3.0];
+    let basis = Eigenbasis::new(Domain::Volume, mass, vec![0.0, 1.0], vec![1.0, 5.0, 1.0, -1.0, 1.0, 2.0]);
+    let regions: [&[u32]; 3] = [&[0, 2], &[1], &[]];
+    let means = region_means(&basis.unwrap(), &regions);
+    assert_eq!(means[..2], [[1.0, (5.0 + 3.0 * 2.0) / 4.0], [1.0, -1.0]]);
+    assert!(means[2].iter().all(|mean| mean.is_nan()));
+}
+
+#[test]
 fn the_kernel_of_a_box_is_the_product_of_the_kernels_of_its_sides() {
     let (t, solid, sheet) = (0.7, box_basis([5, 4, 1], 1.0), sheet_basis([5, 4], 1.0));
     let flat = heat_kernel(&sheet, t, &all_pairs(20)).unwrap();

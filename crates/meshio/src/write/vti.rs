@@ -73,17 +73,13 @@ pub fn write_vti(path: &Path, grid: &VoxelGrid, fields: &[VoxelField]) -> Result
             VoxelValues::Labels(labels) => (
                 INT32,
                 Box::new(move |out| {
-                    each_cell(grid, extent, |voxel| {
-                        out.write_all(&voxel.map_or(-2, |v| labels[v]).to_le_bytes())
-                    })
+                    write_cells(grid, extent, (-2i32).to_le_bytes(), |v| labels[v].to_le_bytes(), out)
                 }),
             ),
             VoxelValues::Numbers(numbers) => (
                 FLOAT64,
                 Box::new(move |out| {
-                    each_cell(grid, extent, |voxel| {
-                        out.write_all(&voxel.map_or(f64::NAN, |v| numbers[v]).to_le_bytes())
-                    })
+                    write_cells(grid, extent, f64::NAN.to_le_bytes(), |v| numbers[v].to_le_bytes(), out)
                 }),
             ),
         };
@@ -94,7 +90,7 @@ pub fn write_vti(path: &Path, grid: &VoxelGrid, fields: &[VoxelField]) -> Result
         name: "inside",
         components: 1,
         rows: cells,
-        write: Box::new(|out| each_cell(grid, extent, |voxel| out.write_all(&[voxel.is_some().into()]))),
+        write: Box::new(|out| write_cells(grid, extent, [0], |_| [1], out)),
     });
     file.line("</CellData>\n</Piece>");
     Ok(write_atomically(path, |out| file.write(out))?)
@@ -116,20 +112,24 @@ fn extent(grid: &VoxelGrid) -> [[u64; 2]; 3] {
     std::array::from_fn(|a| [extent[a][0].saturating_sub(1), (extent[a][1] + 1).min(dims[a] as u64)])
 }
 
-/// Every cell of a part of the grid, x fastest, with the number of its voxel if it is occupied. The part holds all voxels.
-fn each_cell(
+/// Writes every cell of a part of the grid, x fastest: of an occupied one the value of its voxel, by the voxel's number. The
+/// part holds all voxels.
+fn write_cells<const N: usize>(
     grid: &VoxelGrid,
     [[x0, x1], [y0, y1], [z0, z1]]: [[u64; 2]; 3],
-    mut write: impl FnMut(Option<usize>) -> io::Result<()>,
+    empty: [u8; N],
+    value: impl Fn(usize) -> [u8; N],
+    out: &mut dyn Write,
 ) -> io::Result<()> {
-    let mut next = 0;
+    let mut voxels = grid.voxels().enumerate().peekable();
+    let mut row = vec![empty; (x1 - x0) as usize];
     for k in z0..z1 {
         for j in y0..y1 {
-            for i in x0..x1 {
-                let inside = grid.occupancy().get([i as u32, j as u32, k as u32]);
-                write(inside.then_some(next))?;
-                next += usize::from(inside);
+            row.fill(empty);
+            while let Some((v, [i, ..])) = voxels.next_if(|(_, v)| [v[1], v[2]].map(u64::from) == [j, k]) {
+                row[(u64::from(i) - x0) as usize] = value(v);
             }
+            out.write_all(row.as_flattened())?;
         }
     }
     Ok(())

@@ -1,65 +1,112 @@
 //! Where a part ends: the area of borders between elements, and the narrowest border along a branch.
 
-use mser3d_comptree::ComponentTree;
-use mser3d_shape::TriangleMesh;
-use mser3d_shape::vector::{norm, sub};
+use std::borrow::Cow;
 
-use crate::{DiscreteShape, Elements};
+use mser3d_comptree::ComponentTree;
+use mser3d_shape::vector::{norm, sub};
+use mser3d_shape::{Connectivity, TriangleMesh};
+
+use crate::{DiscreteShape, Elements, Error};
 
 /// The linked neighbours of each element, and the border that it shares with each: the area of a voxel's face, or on a
 /// surface the length of the border between the cells around two vertices.
+#[derive(Clone)]
 pub(super) struct Links {
     offsets: Vec<usize>,
     to: Vec<u32>,
-    areas: Vec<f64>,
+    borders: Borders,
+}
+
+/// The area of each border, or of all of them: voxels are mostly cubes, and what is not there has not to be read.
+#[derive(Clone)]
+enum Borders {
+    Each(Vec<f64>),
+    Alike(f64),
 }
 
 impl Links {
     /// Neighbours by faces of linked voxels, or by edges of the mesh.
-    pub fn of(shape: &DiscreteShape) -> Self {
+    pub fn of(shape: &DiscreteShape) -> Result<Self, Error> {
         match shape.elements() {
             Elements::Voxels { grid, .. } => {
                 let spacing = grid.frame().spacing();
                 let face = |axis: usize| spacing[(axis + 1) % 3] * spacing[(axis + 2) % 3];
+                if face(0) == face(1) && face(1) == face(2) {
+                    let (offsets, to) = grid.graph(Connectivity::Six)?.into_rows();
+                    return Ok(Self { offsets, to, borders: Borders::Alike(face(0)) });
+                }
                 let pairs = (0..3).flat_map(|axis| grid.linked_pairs(axis).map(move |p| (p, face(axis))));
-                Self::of_pairs(grid.len(), pairs.collect())
+                Ok(Self::of_pairs(grid.len(), &pairs.collect::<Vec<_>>()))
             }
-            Elements::Vertices { mesh, .. } => Self::of_mesh(mesh),
+            Elements::Vertices { mesh, .. } => Ok(Self::of_mesh(mesh)),
         }
     }
 
     /// Neighbours by edges of a mesh.
     pub fn of_mesh(mesh: &TriangleMesh) -> Self {
-        Self::of_pairs(mesh.vertices().len(), dual_edges(mesh))
+        Self::of_pairs(mesh.vertices().len(), &dual_edges(mesh))
     }
 
-    /// Borders of pairs that are given twice add up.
-    fn of_pairs(len: usize, mut pairs: Vec<([u32; 2], f64)>) -> Self {
-        pairs.extend_from_within(..);
-        let half = pairs.len() / 2;
-        pairs[half..].iter_mut().for_each(|(pair, _)| pair.swap(0, 1));
-        pairs.sort_by_key(|(pair, _)| *pair);
-        let mut links = Self { offsets: vec![0; len + 1], to: Vec::new(), areas: Vec::new() };
-        let mut last = None;
-        for ([from, to], area) in pairs {
-            match links.areas.last_mut().filter(|_| last == Some([from, to])) {
-                Some(sum) => *sum += area,
-                None => {
-                    links.to.push(to);
-                    links.areas.push(area);
-                    links.offsets[from as usize + 1] += 1;
-                }
+    /// Borders of pairs that are given twice, each time the smaller element first, add up. Neighbours ascend.
+    fn of_pairs(len: usize, pairs: &[([u32; 2], f64)]) -> Self {
+        let mut ends = vec![0; len + 1];
+        pairs.iter().flat_map(|(pair, _)| pair).for_each(|&v| ends[v as usize + 1] += 1);
+        (0..len).for_each(|v| ends[v + 1] += ends[v]);
+        // Each row begins where the one before it ends; what is put there moves its beginning to its end.
+        let mut rows = vec![(0, 0.0); 2 * pairs.len()];
+        for &([u, v], area) in pairs {
+            for (from, to) in [(u, v), (v, u)] {
+                let at = &mut ends[from as usize];
+                rows[*at] = (to, area);
+                *at += 1;
             }
-            last = Some([from, to]);
         }
-        (0..len).for_each(|v| links.offsets[v + 1] += links.offsets[v]);
-        links
+        let (mut offsets, mut start) = (vec![0; len + 1], 0);
+        let (mut to, mut areas) = (Vec::with_capacity(rows.len()), Vec::with_capacity(rows.len()));
+        for v in 0..len {
+            let row = &mut rows[start..ends[v]];
+            row.sort_by_key(|(to, _)| *to);
+            for of_one in row.chunk_by(|a, b| a.0 == b.0) {
+                to.push(of_one[0].0);
+                areas.push(of_one[1..].iter().fold(of_one[0].1, |sum, (_, area)| sum + area));
+            }
+            (start, offsets[v + 1]) = (ends[v], to.len());
+        }
+        Self { offsets, to, borders: Borders::Each(areas) }
     }
 
-    /// The neighbours of an element, and the border shared with each.
+    /// The neighbours of an element, ascending, and the border shared with each.
+    #[inline]
     pub fn around(&self, element: u32) -> impl Iterator<Item = (u32, f64)> + '_ {
         let range = self.offsets[element as usize]..self.offsets[element as usize + 1];
-        self.to[range.clone()].iter().copied().zip(self.areas[range].iter().copied())
+        let (each, alike) = match &self.borders {
+            Borders::Each(areas) => (&areas[range.clone()], 0.0),
+            Borders::Alike(area) => (&[][..], *area),
+        };
+        let area = move |i: usize| each.get(i).copied().unwrap_or(alike);
+        self.to[range].iter().enumerate().map(move |(i, &to)| (to, area(i)))
+    }
+
+    /// The same of some elements, ascending, numbered by their places among them.
+    fn among(&self, elements: &[u32]) -> Self {
+        let mut number = vec![u32::MAX; self.offsets.len() - 1];
+        elements.iter().zip(0..).for_each(|(&element, place)| number[element as usize] = place);
+        let (mut offsets, mut to, mut areas) = (vec![0], Vec::new(), Vec::new());
+        for &element in elements {
+            for (other, area) in self.around(element).filter(|(other, _)| number[*other as usize] != u32::MAX)
+            {
+                to.push(number[other as usize]);
+                if let Borders::Each(_) = self.borders {
+                    areas.push(area);
+                }
+            }
+            offsets.push(to.len());
+        }
+        let borders = match self.borders {
+            Borders::Each(_) => Borders::Each(areas),
+            Borders::Alike(area) => Borders::Alike(area),
+        };
+        Self { offsets, to, borders }
     }
 }
 
@@ -67,17 +114,23 @@ impl Links {
 pub(super) struct BodyLinks<'b> {
     /// Their numbers in the shape, ascending.
     pub elements: &'b [u32],
-    /// The neighbours of each, and the border shared with each.
-    pub around: Vec<Vec<(u32, f64)>>,
+    links: Cow<'b, Links>,
     /// Volume or area of each; empty where it is not asked for.
-    pub mass: Vec<f64>,
+    pub mass: &'b [f64],
 }
 
 impl<'b> BodyLinks<'b> {
-    pub fn new(elements: &'b [u32], links: &Links, mass: &[f64]) -> Self {
-        let number = |element: u32| elements.binary_search(&element).ok().map(|place| place as u32);
-        let around = |&e: &u32| links.around(e).filter_map(|(to, area)| Some((number(to)?, area))).collect();
-        Self { elements, around: elements.iter().map(around).collect(), mass: mass.to_vec() }
+    pub fn new(elements: &'b [u32], links: &'b Links, mass: &'b [f64]) -> Self {
+        // Mostly a body is all there is.
+        let all = elements.len() + 1 == links.offsets.len();
+        let links = if all { Cow::Borrowed(links) } else { Cow::Owned(links.among(elements)) };
+        Self { elements, links, mass }
+    }
+
+    /// The neighbours of an element, and the border shared with each.
+    #[inline]
+    pub fn around(&self, element: u32) -> impl Iterator<Item = (u32, f64)> + '_ {
+        self.links.around(element)
     }
 }
 
@@ -140,13 +193,16 @@ pub(super) fn narrowest(
     let mut change = vec![0.0; chain.len() + 1];
     for &v in tree.vertices(top) {
         let from = elements[v as usize];
+        let own = depth[from as usize];
+        let mut less = change[own as usize];
         for (to, area) in links.around(from) {
-            let (own, other) = (depth[from as usize], depth[to as usize]);
+            let other = depth[to as usize];
             if own > other {
                 change[other as usize] += area;
-                change[own as usize] -= area;
+                less -= area;
             }
         }
+        change[own as usize] = less;
     }
     tree.vertices(top).iter().for_each(|&v| depth[elements[v as usize] as usize] = 0);
     let mut borders = Vec::with_capacity(chain.len());

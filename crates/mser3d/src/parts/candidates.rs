@@ -7,6 +7,7 @@ use mser3d_comptree::{
 };
 use mser3d_descriptors::{HksParameters, TimeScale, hks};
 use mser3d_shape::{Domain, IndexSet};
+use rayon::prelude::*;
 
 use super::PartParameters;
 use super::borders::{Bordered, Links, down, narrowest};
@@ -126,25 +127,28 @@ impl Candidates {
         parameters: &PartParameters,
     ) -> Result<Self, Error> {
         let searched = &features.bodies[body];
-        let mut depth = vec![0u32; features.shape.len()];
-        let mut narrow = |tree: &ComponentTree, top, kept| {
-            narrowest(tree, &searched.elements, top, kept, links, &mut depth)
-        };
         let rule = stability(&features.parameters.stability, parameters);
-        let mut found: Vec<Narrowed> = Vec::new();
-        for (number, tree) in features.trees.iter().enumerate().filter(|(_, tree)| tree.body == body) {
-            for top in stable_regions(&tree.tree, &rule)?.regions {
-                let place = narrow(&tree.tree, top.node, KEPT);
+        let narrow_all = |number: usize| -> Result<Vec<Narrowed>, Error> {
+            let tree = &features.trees[number].tree;
+            let mut depth = vec![0; features.shape.len()];
+            let mut found: Vec<Narrowed> = Vec::new();
+            for top in stable_regions(tree, &rule)?.regions {
+                let place = narrowest(tree, &searched.elements, top.node, KEPT, links, &mut depth);
                 // Of several with one border, such as a limb and a chance union of it with a little more, the one that lasts.
-                let same = |other: &&mut Narrowed| (other.tree, other.place.node) == (number, place.node);
-                match found.iter_mut().find(same) {
+                match found.iter_mut().find(|other| other.place.node == place.node) {
                     Some(other) if lifetime(&other.top) >= lifetime(&top) => {}
                     Some(other) => other.top = top,
                     None => found.push(Narrowed { tree: number, top, place }),
                 }
             }
-        }
+            Ok(found)
+        };
+        let own: Vec<usize> =
+            (0..features.trees.len()).filter(|&tree| features.trees[tree].body == body).collect();
+        let found: Vec<Vec<Narrowed>> = own.into_par_iter().map(narrow_all).collect::<Result<_, Error>>()?;
+        let mut found: Vec<Narrowed> = found.into_iter().flatten().collect();
         let groups = groups(features, body, &found)?;
+        let mut depth = vec![0; features.shape.len()];
         // The border of twins is where that of the smallest is.
         for group in &groups {
             let smallest = group.iter().map(|&c| found[c].place.volume).fold(f64::INFINITY, f64::min);
@@ -153,27 +157,27 @@ impl Candidates {
                 let tree = &features.trees[*tree].tree;
                 let node = cut_off(tree, place.node, smallest);
                 if node != place.node {
-                    *place = narrow(tree, node, 1.0);
+                    *place = narrowest(tree, &searched.elements, node, 1.0, links, &mut depth);
                 }
             }
         }
-        let domain = searched.basis.domain();
+        let (domain, measure) = (searched.basis.domain(), searched.measure());
         let candidate = |Narrowed { tree, top, place }: Narrowed| {
             let own = &features.trees[tree].tree;
             let number = |&v: &u32| searched.elements[v as usize];
-            let mut elements: Vec<u32> = own.vertices(place.node).iter().map(number).collect();
-            elements.sort_unstable();
-            let is_end = is_end_of_rod(own, &top, &place, rule.altitude, searched.measure());
+            let set =
+                IndexSet::from_members(features.shape.len(), own.vertices(place.node).iter().map(number))?;
+            let is_end = is_end_of_rod(own, &top, &place, rule.altitude, measure);
             Ok(Candidate {
                 region: stands_for(features, body, own.vertices(top.node), &searched.elements, mass)?,
                 tree,
-                set: IndexSet::from_members(features.shape.len(), elements.iter().copied())?,
-                elements,
+                elements: set.members().map(|element| element as u32).collect(),
+                set,
                 volume: place.volume,
                 score: score(&top, &place, is_end, domain),
             })
         };
-        Ok(Self { all: found.into_iter().map(candidate).collect::<Result<_, Error>>()?, groups })
+        Ok(Self { all: found.into_par_iter().map(candidate).collect::<Result<_, Error>>()?, groups })
     }
 }
 

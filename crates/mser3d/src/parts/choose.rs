@@ -155,7 +155,7 @@ impl Layout<'_> {
         let places: Vec<usize> = self.places.iter().chain(group).copied().collect();
         let mut next = Self { candidates: self.candidates, volumes: vec![0.0; places.len() + 1], places };
         let labels = next.labels(body.elements);
-        labels.iter().zip(&body.mass).for_each(|(&label, mass)| next.volumes[label as usize] += mass);
+        labels.iter().zip(body.mass).for_each(|(&label, mass)| next.volumes[label as usize] += mass);
         (next, labels)
     }
 

@@ -90,7 +90,8 @@ pub struct Partition {
 /// # }
 /// ```
 ///
-/// Cost: for each tree some passes over the links. About a tenth of a second for 45,000 voxels.
+/// Cost: for each tree some passes over the links, trees beside each other. About a twentieth of a second of one core for 45,000
+/// voxels.
 ///
 /// # Errors
 /// [`Error::InvalidParameter`] from [`PartParameters::validate`]; [`Error::Tree`] and [`Error::Descriptor`] only in theory.
@@ -101,7 +102,7 @@ pub fn partition(
 ) -> Result<Partition, Error> {
     parameters.validate()?;
     let shape = &features.shape;
-    let links = Links::of(shape);
+    let links = Links::of(shape)?;
     let mut mass = vec![0.0; shape.len()];
     for body in &features.bodies {
         body.elements.iter().zip(body.basis.mass()).for_each(|(&e, &m)| mass[e as usize] = m);
@@ -115,8 +116,8 @@ pub fn partition(
         let (labels, count) = (&mut chosen.labels, chosen.parts.len());
         let smallest = parameters.min_volume_fraction * measure;
         smooth::smooth_with_care(labels, count, &own, smooth::steps_on_grid(parameters.smoothing));
-        pieces::join_crumbs(labels, count, &own, smallest);
-        for from in pieces::split(labels, count, &own, smallest) {
+        let pieces = pieces::join_crumbs(labels, count, &own, smallest);
+        for from in pieces::split(labels, count, &pieces, smallest) {
             let ChosenPart { trunk, region, .. } = chosen.parts[from];
             chosen.parts.push(ChosenPart { trunk, region, twins: Vec::new() });
         }

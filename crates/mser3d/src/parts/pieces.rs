@@ -24,7 +24,7 @@ impl Pieces {
             let mut volume = 0.0;
             while let Some(v) = stack.pop() {
                 volume += body.mass[v as usize];
-                for &(to, _) in &body.around[v as usize] {
+                for (to, _) in body.around(v) {
                     if of_element[to as usize] == u32::MAX && labels[to as usize] == part {
                         of_element[to as usize] = number;
                         stack.push(to);
@@ -55,22 +55,26 @@ impl Pieces {
 }
 
 /// Gives pieces that are smaller than this, and not the largest of their part, to the part that they share most border with.
-pub(super) fn join_crumbs(labels: &mut [u32], parts: usize, body: &BodyLinks, smallest: f64) {
+/// Returns the pieces that there are then.
+pub(super) fn join_crumbs(labels: &mut [u32], parts: usize, body: &BodyLinks, smallest: f64) -> Pieces {
     let all = Pieces::new(labels, body);
     let largest = all.largest(parts);
     let is_crumb = |piece: u32| {
         let (part, volume) = all.pieces[piece as usize];
         volume < smallest && largest[part as usize] != Some(piece)
     };
+    if !(0..all.pieces.len() as u32).any(is_crumb) {
+        return all;
+    }
     // The border that each crumb shares with each part.
     let mut shared = vec![Vec::new(); all.pieces.len()];
-    for (v, &label) in labels.iter().enumerate() {
-        let piece = all.of_element[v];
+    for (v, &label) in (0..).zip(labels.iter()) {
+        let piece = all.of_element[v as usize];
         if is_crumb(piece) {
             let borders = &mut shared[piece as usize];
             borders.resize(parts, 0.0);
-            let others = body.around[v].iter().filter(|&&(to, _)| labels[to as usize] != label);
-            others.for_each(|&(to, area)| borders[labels[to as usize] as usize] += area);
+            let others = body.around(v).filter(|&(to, _)| labels[to as usize] != label);
+            others.for_each(|(to, area)| borders[labels[to as usize] as usize] += area);
         }
     }
     for (label, piece) in labels.iter_mut().zip(&all.of_element) {
@@ -80,12 +84,12 @@ pub(super) fn join_crumbs(labels: &mut [u32], parts: usize, body: &BodyLinks, sm
             *label = part as u32;
         }
     }
+    Pieces::new(labels, body)
 }
 
 /// Makes each piece of at least this size that is not the largest of its part a part of its own, numbered after the others.
 /// Returns which part each of the new ones was a piece of.
-pub(super) fn split(labels: &mut [u32], parts: usize, body: &BodyLinks, smallest: f64) -> Vec<usize> {
-    let all = Pieces::new(labels, body);
+pub(super) fn split(labels: &mut [u32], parts: usize, all: &Pieces, smallest: f64) -> Vec<usize> {
     let largest = all.largest(parts);
     let mut from = Vec::new();
     let new: Vec<Option<u32>> = (0..)
@@ -111,8 +115,8 @@ pub(super) fn grow_into(labels: &mut Vec<u32>, part: u32, body: &BodyLinks) -> b
     while !left.is_empty() {
         // The neighbour of another part with the largest border, of several that of the part with the smallest number.
         let taken = |&v: &u32| {
-            let others = body.around[v as usize].iter().filter(|&&(to, _)| grown[to as usize] != part);
-            let next = others.map(|&(to, area)| (area, grown[to as usize]));
+            let others = body.around(v).filter(|&(to, _)| grown[to as usize] != part);
+            let next = others.map(|(to, area)| (area, grown[to as usize]));
             next.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1))).map(|(_, other)| (v, other))
         };
         let layer: Vec<(u32, u32)> = left.iter().filter_map(taken).collect();

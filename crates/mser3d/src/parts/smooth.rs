@@ -2,6 +2,7 @@
 
 use mser3d_shape::TriangleMesh;
 use mser3d_shape::vector::{dot, sub};
+use rayon::prelude::*;
 
 use super::borders::{BodyLinks, Links};
 
@@ -33,7 +34,8 @@ pub(super) fn smooth_vertices(labels: &mut [Option<u32>], parts: usize, mesh: &T
     let steps = (4.0 * deviation * deviation / mean).min(MOST_STEPS).round() as usize;
     let kept: Vec<u32> = (0u32..).zip(labels.iter()).filter_map(|(v, label)| label.map(|_| v)).collect();
     let mut own: Vec<u32> = labels.iter().flatten().copied().collect();
-    smooth(&mut own, parts, &BodyLinks::new(&kept, &Links::of_mesh(mesh), &[]), steps);
+    let links = Links::of_mesh(mesh);
+    smooth(&mut own, parts, &BodyLinks::new(&kept, &links, &[]), steps);
     kept.iter().zip(own).for_each(|(&v, part)| labels[v as usize] = Some(part));
 }
 
@@ -41,7 +43,7 @@ pub(super) fn smooth_vertices(labels: &mut [Option<u32>], parts: usize, mesh: &T
 pub(super) fn smooth_with_care(labels: &mut Vec<u32>, parts: usize, body: &BodyLinks, mut steps: usize) {
     let volumes = |labels: &[u32]| {
         let mut volumes = vec![0.0; parts];
-        labels.iter().zip(&body.mass).for_each(|(&label, mass)| volumes[label as usize] += mass);
+        labels.iter().zip(body.mass).for_each(|(&label, mass)| volumes[label as usize] += mass);
         volumes
     };
     let before = volumes(labels);
@@ -62,25 +64,28 @@ fn smooth(labels: &mut [u32], parts: usize, body: &BodyLinks, steps: usize) {
     if steps == 0 || parts < 2 {
         return;
     }
-    let around = &body.around;
-    let band = band(labels, around, steps);
-    let mut best: Vec<(f64, u32)> = vec![(f64::NEG_INFINITY, 0); band.len()];
-    for part in 0..parts as u32 {
+    let band = band(labels, body, steps);
+    let border = |&v: &u32| body.around(v).fold(0.0, |total, (_, area)| total + area);
+    let borders: Vec<f64> = band.iter().map(border).collect();
+    let share = |part: u32| -> Vec<f64> {
         let mut now: Vec<f64> = labels.iter().map(|&l| f64::from(u8::from(l == part))).collect();
         let mut next = now.clone();
         for _ in 0..steps {
-            for &v in &band {
-                let (sum, total) = around[v as usize].iter().fold((0.0, 0.0), |(sum, total), &(to, area)| {
-                    (sum + area * now[to as usize], total + area)
-                });
+            for (&v, &total) in band.iter().zip(&borders) {
+                let sum = body.around(v).fold(0.0, |sum, (to, area)| sum + area * now[to as usize]);
                 let mean = if total > 0.0 { sum / total } else { now[v as usize] };
                 next[v as usize] = 0.5 * (now[v as usize] + mean);
             }
             std::mem::swap(&mut now, &mut next);
         }
-        for (&v, best) in band.iter().zip(&mut best) {
-            if now[v as usize] > best.0 + TIE {
-                *best = (now[v as usize], part);
+        band.iter().map(|&v| now[v as usize]).collect()
+    };
+    let shares: Vec<Vec<f64>> = (0..parts as u32).into_par_iter().map(share).collect();
+    let mut best: Vec<(f64, u32)> = vec![(f64::NEG_INFINITY, 0); band.len()];
+    for (part, shares) in (0..).zip(shares) {
+        for (share, best) in shares.into_iter().zip(&mut best) {
+            if share > best.0 + TIE {
+                *best = (share, part);
             }
         }
     }
@@ -88,9 +93,8 @@ fn smooth(labels: &mut [u32], parts: usize, body: &BodyLinks, steps: usize) {
 }
 
 /// The elements within some steps from a border, ascending: farther away nothing changes in as many steps.
-fn band(labels: &[u32], around: &[Vec<(u32, f64)>], steps: usize) -> Vec<u32> {
-    let at_border =
-        |&v: &u32| around[v as usize].iter().any(|&(to, _)| labels[to as usize] != labels[v as usize]);
+fn band(labels: &[u32], body: &BodyLinks, steps: usize) -> Vec<u32> {
+    let at_border = |&v: &u32| body.around(v).any(|(to, _)| labels[to as usize] != labels[v as usize]);
     let mut band: Vec<u32> = (0..labels.len() as u32).filter(at_border).collect();
     let mut known = vec![false; labels.len()];
     band.iter().for_each(|&v| known[v as usize] = true);
@@ -98,7 +102,7 @@ fn band(labels: &[u32], around: &[Vec<(u32, f64)>], steps: usize) -> Vec<u32> {
     for _ in 0..steps {
         let to = band.len();
         for at in from..to {
-            for &(next, _) in &around[band[at] as usize] {
+            for (next, _) in body.around(band[at]) {
                 if !std::mem::replace(&mut known[next as usize], true) {
                     band.push(next);
                 }

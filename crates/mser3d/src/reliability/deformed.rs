@@ -39,6 +39,9 @@ pub(crate) const COARSER: f64 = 1.2;
 /// How far, in voxels, an element may be from the voxel that it became.
 const REACH: f64 = 2.0;
 
+/// How much sums of the same numbers in another order may differ, relatively.
+const ROUNDING: f64 = 1e-9;
+
 /// Fewest vertices on which an overlap is measured: it is then known to a tenth.
 const FEWEST_VERTICES: usize = 10;
 
@@ -226,7 +229,18 @@ fn sets(
 
 /// The best overlap of each of the first sets with one of the others.
 fn best(sets: Vec<IndexSet>, others: &[IndexSet], measures: &[f64]) -> Vec<f64> {
-    let best = |set: IndexSet| others.iter().map(|other| set.overlap(other, measures)).fold(0.0, f64::max);
+    let measure = |set: &IndexSet| set.members().map(|member| measures[member]).sum::<f64>();
+    let others: Vec<(&IndexSet, f64)> = others.iter().map(|other| (other, measure(other))).collect();
+    let best = |set: IndexSet| {
+        let own = measure(&set);
+        others.iter().fold(0.0, |best: f64, &(other, measure)| {
+            // An overlap is at most the ratio of the measures, but for rounding.
+            if (1.0 + ROUNDING) * own.min(measure) < best * own.max(measure) {
+                return best;
+            }
+            best.max(set.overlap(other, measures))
+        })
+    };
     sets.into_par_iter().map(best).collect()
 }
 

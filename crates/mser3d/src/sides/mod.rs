@@ -12,7 +12,7 @@ mod vectors;
 
 use mser3d_descriptors::{
     ChiralityParameters, DescriptorError, Descriptors, RegionCosines, chirality_of_solid,
-    chirality_of_surface, zero_modes,
+    chirality_of_surface, region_means, zero_modes,
 };
 use mser3d_shape::{Domain, Eigenbasis};
 
@@ -92,7 +92,8 @@ pub(crate) fn find_sides(
     samples_per_octave: f64,
     unit_time: f64,
 ) -> Result<Sides, Error> {
-    let means = vectors::region_means(basis, regions);
+    let members: Vec<&[u32]> = regions.iter().map(|region| &region.elements[..]).collect();
+    let means = region_means(basis, &members);
     let zero = zero_modes(basis);
     let cosines = cosines(&means, basis.eigenvalues(), zero, NEARNESS * unit_time)?;
     let pairs = twins::twins(regions, descriptors, &cosines, samples_per_octave);
