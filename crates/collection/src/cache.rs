@@ -116,6 +116,7 @@ fn key(shape: &DiscreteShape, parameters: &SpectrumParameters) -> Vec<u8> {
     integer(match parameters.solver {
         Eigensolver::ShiftInvert => 1,
         Eigensolver::Filter => 2,
+        Eigensolver::Multigrid => 4,
         _ => 0,
     });
     match shape.elements() {

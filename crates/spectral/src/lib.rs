@@ -55,6 +55,7 @@ mod lambda_max;
 mod lanczos;
 mod lanczos_basis;
 mod limits;
+mod multigrid;
 mod multiplicity;
 mod null_space;
 mod parameters;

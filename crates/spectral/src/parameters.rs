@@ -17,6 +17,10 @@ choice! {
         ///
         /// For grids only: an operator given as a matrix is solved by shift-invert.
         Filter = "filter",
+        /// Eigenvectors of coarser grids, carried up level by level and corrected by multigrid cycles
+        ///
+        /// For grids with some thousand voxels for each eigenpair.
+        Multigrid = "multigrid",
     }
 }
 

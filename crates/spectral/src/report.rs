@@ -10,6 +10,8 @@ choice! {
         ShiftInvert = "shift-invert",
         /// Block Lanczos on a Chebyshev polynomial of the grid's stencil
         Filter = "filter",
+        /// Eigenvectors of coarser grids, carried up level by level and corrected by multigrid cycles
+        Multigrid = "multigrid",
     }
 }
 

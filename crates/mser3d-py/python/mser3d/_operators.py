@@ -81,7 +81,7 @@ def eigs(
     *,
     mass: Any = None,
     tol: float = 1e-9,
-    solver: Literal["auto", "shift-invert", "filter"] = "auto",
+    solver: Literal["auto", "shift-invert", "filter", "multigrid"] = "auto",
     memory_limit: float | None = None,
     threads: int | None = None,
     progress: Progress = None,
@@ -101,7 +101,7 @@ def eigs(
     tol : float
         Largest relative residual ``|L v - lambda M v| / (lambda |v|)`` in the norms of M^-1 and M.
     solver : str
-        How eigenpairs are found; "filter" is for Laplacians of grids.
+        How eigenpairs are found; "filter" and "multigrid" are for Laplacians of grids.
     memory_limit : float
         Refuse to start when more memory is needed, in MB.
     threads, progress

@@ -3,6 +3,7 @@
 mod choice;
 mod counts;
 mod figures;
+mod multigrid;
 mod odd;
 mod semidefinite;
 mod spectra;

@@ -6,7 +6,7 @@ use mser3d_spectral::{Eigensolver, SolverUsed};
 #[test]
 fn each_solver_has_one_name() {
     let names: Vec<&str> = Eigensolver::ALL.iter().map(|solver| solver.name()).collect();
-    assert_eq!(names, ["auto", "shift-invert", "filter"]);
+    assert_eq!(names, ["auto", "shift-invert", "filter", "multigrid"]);
     // Those that can be asked for are called the same when they were used.
     for solver in &Eigensolver::ALL[1..] {
         assert!(solver.name().parse::<SolverUsed>().is_ok(), "{solver}");

@@ -32,6 +32,7 @@ impl Solver {
             Self::Ours(Eigensolver::Auto) => "mser3d",
             Self::Ours(Eigensolver::Filter) => "mser3d filter",
             Self::Ours(Eigensolver::ShiftInvert) => "mser3d shift-invert",
+            Self::Ours(Eigensolver::Multigrid) => "mser3d multigrid",
             Self::Spectra => "Spectra + CHOLMOD",
             Self::ScipyCholmod => "SciPy + CHOLMOD",
             Self::ScipySuperLu => "SciPy + SuperLU",
@@ -68,6 +69,10 @@ impl Solver {
             }
             Shape::Body(..) if size <= 100_000 => {
                 vec![Self::Ours(Eigensolver::Auto), Self::Ours(Eigensolver::ShiftInvert)]
+            }
+            // What is chosen above six million voxels, and what is chosen below.
+            Shape::Body(..) if size > 500_000 => {
+                vec![Self::Ours(Eigensolver::Multigrid), Self::Ours(Eigensolver::Filter)]
             }
             _ => vec![Self::Ours(Eigensolver::Auto)],
         };

@@ -1,0 +1,189 @@
+//! The W-cycle: about the solution d of `(W - shift M) d = r`, with a shift for each column, without the eigenvectors below.
+//!
+//! Rough parts are solved by Chebyshev's iteration on each level (Adams, Brezina, Hu & Tuminaro 2003), smooth ones on the next coarser
+//! level. The shift makes smooth parts converge that lie just above the wanted eigenvalues. What belongs to the wanted
+//! eigenvectors is taken out on the coarsest level, where these are known: the equation is nearly singular there, and Rayleigh and Ritz do it better.
+
+use rayon::prelude::*;
+
+use super::hierarchy::Hierarchy;
+use super::level::{Columns, Level, ROWS, Short, Step, rows};
+use super::ritz::rayleigh_ritz;
+use crate::SpectralError;
+use crate::block_matrix::BlockMatrix;
+use crate::kernels::{Block, LANES, Lanes};
+
+/// Steps of smoothing before the next coarser level, and after it.
+const SMOOTHING: usize = 4;
+/// Visits of the next coarser level: two, for what a level shows wrongly is not right the first time, and they cost a quarter.
+const VISITS: usize = 2;
+/// What is smoothed, of the spectrum of D^-1 W: all waves that the next level cannot show, with room for ragged surfaces.
+const ROUGH: [f32; 2] = [0.25, 2.0];
+/// The logarithm of by how much the coarsest level's error falls.
+const COARSEST: f64 = 5.0;
+/// The vectors of a level.
+pub(super) struct Workspace {
+    pub residual: Vec<Short>,
+    pub d: Vec<Short>,
+    along: Vec<Short>,
+    next: Vec<Short>,
+}
+
+impl Workspace {
+    /// The sum of each column of the residual.
+    pub fn sums_of_residual(&self) -> [f64; LANES] {
+        let part = |rows: &[Short]| {
+            let mut sums = [0.0; LANES];
+            rows.iter().for_each(|r| (0..LANES).for_each(|l| sums[l] += f64::from(r.0[l])));
+            sums
+        };
+        let parts: Vec<[f64; LANES]> = self.residual.par_chunks(ROWS).map(part).collect();
+        parts.iter().fold([0.0; LANES], |sums, part| std::array::from_fn(|l| sums[l] + part[l]))
+    }
+}
+
+/// The levels, and what is known of the coarsest.
+pub(super) struct Cycle<'a> {
+    pub hierarchy: &'a Hierarchy,
+    /// Eigenvectors of the coarsest level, the constant among them, M-orthonormal.
+    known: Vec<Vec<Short>>,
+    /// The smallest eigenvalue of the coarsest level beyond these.
+    beyond: f64,
+}
+
+impl<'a> Cycle<'a> {
+    /// With the eigenvectors of the coarsest level, without the constant, and the eigenvalue that follows.
+    pub fn new(hierarchy: &'a Hierarchy, vectors: &BlockMatrix, beyond: f64) -> Self {
+        Self { hierarchy, known: with_constant(hierarchy.coarsest(), vectors), beyond }
+    }
+
+    /// Takes what the grid's vectors are on the coarsest level for known: where two eigenvalues are in another order there than on
+    /// the grid, the wrong one would be taken out.
+    pub fn know(&mut self, vectors: &BlockMatrix) -> Result<(), SpectralError> {
+        let Hierarchy { transfers, levels, .. } = self.hierarchy;
+        let coarsest = self.hierarchy.coarsest();
+        let down = |block: &Block| {
+            let mut fine = vec![Lanes::ZERO; levels[0].len()];
+            transfers[0].average(&mut fine, levels[0].mass(), |row| block[row].0);
+            for (transfer, pair) in transfers[1..].iter().zip(levels.windows(2)) {
+                let mut coarse = vec![Lanes::ZERO; pair[1].len()];
+                let mass = pair[0].mass();
+                transfer.average(&mut coarse, pair[1].mass(), |row| {
+                    fine[row].0.map(|x| x * f64::from(mass[row]))
+                });
+                fine = coarse;
+            }
+            fine
+        };
+        let mut known = BlockMatrix::from_blocks(coarsest.len(), vectors.blocks().iter().map(down).collect());
+        let mut work = BlockMatrix::zeros(coarsest.len(), LANES);
+        rayleigh_ritz(&mut known, Some(coarsest.mass()), &mut work, |x, y| coarsest.apply(x, y))?;
+        self.known = with_constant(coarsest, &known);
+        Ok(())
+    }
+
+    /// Room for the cycles.
+    pub fn workspaces(&self) -> Vec<Workspace> {
+        let room = |level: &Level| {
+            let block = || vec![Short::default(); level.len()];
+            Workspace { residual: block(), d: block(), along: block(), next: block() }
+        };
+        self.hierarchy.levels.iter().map(room).collect()
+    }
+
+    /// `spaces[0].d` = about `(W - shift M)^-1 spaces[0].residual` on the level `at`, to which the first of the spaces belongs.
+    pub fn run(&self, at: usize, shift: &Columns, spaces: &mut [Workspace]) {
+        let level = &self.hierarchy.levels[at];
+        let Some((own, coarser)) = spaces.split_first_mut() else { return };
+        rows(&mut own.d, |_, d| *d = Short::default());
+        if coarser.is_empty() {
+            self.take_out(&mut own.residual, |row| (1.0, level.mass()[row]));
+            let gap = |shift: f32| (self.beyond - f64::from(shift)).max(0.1 * self.beyond);
+            let low = shift.map(|shift| (level.mass_over_diagonal() * gap(shift)).min(0.5) as f32);
+            let worst = f64::from(low.iter().copied().fold(0.5, f32::min));
+            let steps = (0.5 * COARSEST * (2.0 / worst).sqrt()).ceil() as usize;
+            chebyshev(level, shift, [low, [ROUGH[1]; LANES]], steps, own);
+            self.take_out(&mut own.d, |row| (level.mass()[row], 1.0));
+            return;
+        }
+        let interval = ROUGH.map(|end| [end; LANES]);
+        chebyshev(level, shift, interval, SMOOTHING, own);
+        let transfer = &self.hierarchy.transfers[at + 1];
+        for _ in 0..VISITS {
+            level.subtract_image(&own.along, shift, &mut own.residual);
+            transfer.restrict(&mut coarser[0].residual, |row| own.residual[row].0);
+            self.run(at + 1, shift, coarser);
+            transfer.interpolate(&coarser[0].d, &mut own.along, |target, value| *target = value);
+            rows(&mut own.d, |row, d| (0..LANES).for_each(|l| d.0[l] += own.along[row].0[l]));
+            level.subtract_image(&own.along, shift, &mut own.residual);
+            chebyshev(level, shift, interval, SMOOTHING, own);
+        }
+    }
+
+    /// Takes the known eigenvectors K out: `x -= right K (K^T left x)` with a factor for each row on either side.
+    fn take_out(&self, x: &mut [Short], factors: impl Fn(usize) -> (f32, f32) + Sync) {
+        type Square = [Columns; LANES];
+        for known in &self.known {
+            let part = |(chunk, (known, x)): (usize, (&[Short], &[Short]))| -> Square {
+                let mut sums = [[0.0; LANES]; LANES];
+                pulp::Arch::new().dispatch(
+                    #[inline(always)]
+                    || {
+                        for (i, (known, x)) in known.iter().zip(x).enumerate() {
+                            let left = factors(chunk * ROWS + i).0;
+                            for (sum, k) in sums.iter_mut().zip(known.0) {
+                                (0..LANES).for_each(|l| sum[l] += left * k * x.0[l]);
+                            }
+                        }
+                    },
+                );
+                sums
+            };
+            let parts: Vec<Square> =
+                known.par_chunks(ROWS).zip(x.par_chunks(ROWS)).enumerate().map(part).collect();
+            let mut sums: Square = [[0.0; LANES]; LANES];
+            for part in &parts {
+                (0..LANES).for_each(|i| (0..LANES).for_each(|l| sums[i][l] += part[i][l]));
+            }
+            rows(x, |row, x| {
+                let right = factors(row).1;
+                for (sum, k) in sums.iter().zip(known[row].0) {
+                    (0..LANES).for_each(|l| x.0[l] -= right * k * sum[l]);
+                }
+            });
+        }
+    }
+}
+
+/// Chebyshev's iteration for `(W - shift M) d = residual` on an interval of the spectrum of `D^-1 (W - shift M)`, for each column.
+/// Afterwards the residual is the one before the last direction, which is in `along`.
+fn chebyshev(level: &Level, shift: &Columns, interval: [Columns; 2], steps: usize, space: &mut Workspace) {
+    let [low, high] = interval;
+    let theta: Columns = std::array::from_fn(|l| 0.5 * (high[l] + low[l]));
+    let delta: Columns = std::array::from_fn(|l| 0.5 * (high[l] - low[l]));
+    level.first_direction(&theta.map(|theta| 1.0 / theta), &space.residual, &mut space.along, &mut space.d);
+    let mut rho: Columns = std::array::from_fn(|l| delta[l] / theta[l]);
+    for _ in 1..steps {
+        let next: Columns = std::array::from_fn(|l| 1.0 / (2.0 * theta[l] / delta[l] - rho[l]));
+        let step = Step {
+            along: std::array::from_fn(|l| next[l] * rho[l]),
+            residual: std::array::from_fn(|l| 2.0 * next[l] / delta[l]),
+        };
+        level.next_direction(shift, &step, &space.along, &mut space.next, &mut space.residual, &mut space.d);
+        std::mem::swap(&mut space.along, &mut space.next);
+        rho = next;
+    }
+}
+
+/// The constant of a level and some vectors, orthonormal, in single precision.
+fn with_constant(level: &Level, vectors: &BlockMatrix) -> Vec<Vec<Short>> {
+    let constant = 1.0 / level.mass().iter().map(|&mass| f64::from(mass)).sum::<f64>().sqrt();
+    let first = Short(std::array::from_fn(|l| if l == 0 { constant as f32 } else { 0.0 }));
+    let short = |block: &Block| block.iter().map(|row| Short(row.0.map(|x| x as f32))).collect();
+    std::iter::once(vec![first; level.len()]).chain(vectors.blocks().iter().map(short)).collect()
+}
+
+/// `x -= d` in double precision.
+pub(super) fn correct(x: &mut [Lanes], d: &[Short]) {
+    rows(x, |row, x| (0..LANES).for_each(|l| x.0[l] -= f64::from(d[row].0[l])));
+}
