@@ -102,7 +102,7 @@ def detect(
     eigenpairs: int | None = None,
     lambda_max: float | None = None,
     tolerance: float = 1e-09,
-    solver: Literal['auto', 'shift-invert', 'filter'] = 'auto',
+    solver: Literal['auto', 'shift-invert', 'filter', 'multigrid'] = 'auto',
     cache: str | os.PathLike[str] | None = None,
     stability_rule: Literal['windowed', 'paper', 'baseline'] = 'windowed',
     window: float = 0.25,
@@ -263,11 +263,12 @@ def detect(
         All eigenpairs with lambda V^(2/3) below this (lambda A with --surface): the same scales on any shape
     tolerance : float, default 1e-09
         Largest relative residual of an eigenpair
-    solver : {'auto', 'shift-invert', 'filter'}, default 'auto'
+    solver : {'auto', 'shift-invert', 'filter', 'multigrid'}, default 'auto'
         How eigenpairs are found
         * 'auto': By size and kind: dense, the filter for grids, shift-invert for all others
         * 'shift-invert': Block Lanczos on the inverse, by sparse L D L^T factorizations
         * 'filter': Block Lanczos on a Chebyshev polynomial of the grid's stencil, without a matrix
+        * 'multigrid': Eigenvectors of coarser grids, carried up level by level and corrected by multigrid cycles
     cache : path, default None
         Keep spectra in this folder and take them from there; results are the same with and without
     stability_rule : {'windowed', 'paper', 'baseline'}, default 'windowed'
@@ -345,7 +346,7 @@ def detect_volume(
     eigenpairs: int | None = None,
     lambda_max: float | None = None,
     tolerance: float = 1e-09,
-    solver: Literal['auto', 'shift-invert', 'filter'] = 'auto',
+    solver: Literal['auto', 'shift-invert', 'filter', 'multigrid'] = 'auto',
     cache: str | os.PathLike[str] | None = None,
     stability_rule: Literal['windowed', 'paper', 'baseline'] = 'windowed',
     window: float = 0.25,
@@ -494,11 +495,12 @@ def detect_volume(
         All eigenpairs with lambda V^(2/3) below this (lambda A with --surface): the same scales on any shape
     tolerance : float, default 1e-09
         Largest relative residual of an eigenpair
-    solver : {'auto', 'shift-invert', 'filter'}, default 'auto'
+    solver : {'auto', 'shift-invert', 'filter', 'multigrid'}, default 'auto'
         How eigenpairs are found
         * 'auto': By size and kind: dense, the filter for grids, shift-invert for all others
         * 'shift-invert': Block Lanczos on the inverse, by sparse L D L^T factorizations
         * 'filter': Block Lanczos on a Chebyshev polynomial of the grid's stencil, without a matrix
+        * 'multigrid': Eigenvectors of coarser grids, carried up level by level and corrected by multigrid cycles
     cache : path, default None
         Keep spectra in this folder and take them from there; results are the same with and without
     stability_rule : {'windowed', 'paper', 'baseline'}, default 'windowed'
@@ -730,7 +732,7 @@ def parts(
     eigenpairs: int | None = None,
     lambda_max: float | None = None,
     tolerance: float = 1e-09,
-    solver: Literal['auto', 'shift-invert', 'filter'] = 'auto',
+    solver: Literal['auto', 'shift-invert', 'filter', 'multigrid'] = 'auto',
     cache: str | os.PathLike[str] | None = None,
     stability_rule: Literal['windowed', 'paper', 'baseline'] = 'windowed',
     window: float = 0.25,
@@ -877,11 +879,12 @@ def parts(
         All eigenpairs with lambda V^(2/3) below this (lambda A with --surface): the same scales on any shape
     tolerance : float, default 1e-09
         Largest relative residual of an eigenpair
-    solver : {'auto', 'shift-invert', 'filter'}, default 'auto'
+    solver : {'auto', 'shift-invert', 'filter', 'multigrid'}, default 'auto'
         How eigenpairs are found
         * 'auto': By size and kind: dense, the filter for grids, shift-invert for all others
         * 'shift-invert': Block Lanczos on the inverse, by sparse L D L^T factorizations
         * 'filter': Block Lanczos on a Chebyshev polynomial of the grid's stencil, without a matrix
+        * 'multigrid': Eigenvectors of coarser grids, carried up level by level and corrected by multigrid cycles
     cache : path, default None
         Keep spectra in this folder and take them from there; results are the same with and without
     stability_rule : {'windowed', 'paper', 'baseline'}, default 'windowed'
@@ -997,7 +1000,7 @@ def track(
     eigenpairs: int | None = None,
     lambda_max: float | None = None,
     tolerance: float = 1e-09,
-    solver: Literal['auto', 'shift-invert', 'filter'] = 'auto',
+    solver: Literal['auto', 'shift-invert', 'filter', 'multigrid'] = 'auto',
     cache: str | os.PathLike[str] | None = None,
     stability_rule: Literal['windowed', 'paper', 'baseline'] = 'windowed',
     window: float = 0.25,
@@ -1140,11 +1143,12 @@ def track(
         All eigenpairs with lambda V^(2/3) below this (lambda A with --surface): the same scales on any shape
     tolerance : float, default 1e-09
         Largest relative residual of an eigenpair
-    solver : {'auto', 'shift-invert', 'filter'}, default 'auto'
+    solver : {'auto', 'shift-invert', 'filter', 'multigrid'}, default 'auto'
         How eigenpairs are found
         * 'auto': By size and kind: dense, the filter for grids, shift-invert for all others
         * 'shift-invert': Block Lanczos on the inverse, by sparse L D L^T factorizations
         * 'filter': Block Lanczos on a Chebyshev polynomial of the grid's stencil, without a matrix
+        * 'multigrid': Eigenvectors of coarser grids, carried up level by level and corrected by multigrid cycles
     cache : path, default None
         Keep spectra in this folder and take them from there; results are the same with and without
     stability_rule : {'windowed', 'paper', 'baseline'}, default 'windowed'
