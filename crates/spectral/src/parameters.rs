@@ -19,7 +19,7 @@ choice! {
         Filter = "filter",
         /// Eigenvectors of coarser grids, carried up level by level and corrected by multigrid cycles
         ///
-        /// For grids with some thousand voxels for each eigenpair.
+        /// For grids with some thousand voxels for each eigenpair; where it comes to no end, the filter takes its place.
         Multigrid = "multigrid",
     }
 }

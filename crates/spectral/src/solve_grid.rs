@@ -122,8 +122,8 @@ fn connected_grid_eigenpairs(
         check_memory(parameters.memory_limit, what(), n, n * (multigrid::columns(k) + k + 8))?;
         match multigrid::multigrid_eigenpairs(grid, k, parameters, progress) {
             // Corrections can come to a stop where a shape's coarse levels are poor; polynomials cannot.
-            Err(SpectralError::NotConverged { .. }) if parameters.solver == Eigensolver::Auto => {}
-            ended => found = Some((SolverUsed::Multigrid, ended?)),
+            Err(SpectralError::NotConverged { .. }) => {}
+            ended => found = ended?.map(|found| (SolverUsed::Multigrid, found)),
         }
     }
     let (solver, found) = match found {

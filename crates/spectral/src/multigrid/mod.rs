@@ -70,7 +70,8 @@ pub(crate) fn pays(voxels: usize, wanted: usize, tolerance: f64) -> bool {
     has_levels(voxels, wanted) && voxels as f64 >= PAYS * wanted as f64 * tolerance.ln().abs().powi(3)
 }
 
-/// The smallest non-zero eigenpairs of a connected grid, `pairs` in all.
+/// The smallest non-zero eigenpairs of a connected grid, `pairs` in all. None of a shape whose coarser levels stay large, as of
+/// voxels that hardly hang together.
 ///
 /// # Errors
 /// [`SpectralError::NotConverged`], where corrections come to a stop; [`SpectralError::Cancelled`].
@@ -79,7 +80,7 @@ pub(crate) fn multigrid_eigenpairs(
     pairs: usize,
     parameters: &SpectrumParameters,
     progress: &(dyn Fn(f64) -> ControlFlow<()> + Sync),
-) -> Result<Filtered, SpectralError> {
+) -> Result<Option<Filtered>, SpectralError> {
     let tell = |share: f64| match progress(share) {
         ControlFlow::Continue(()) => Ok(()),
         ControlFlow::Break(()) => Err(SpectralError::Cancelled),
@@ -91,6 +92,9 @@ pub(crate) fn multigrid_eigenpairs(
     let wanted = pairs - null_space.len().min(pairs);
     let m = columns(wanted);
     let hierarchy = Hierarchy::new(grid, &stencil.order, COARSEST_ROWS * m);
+    if hierarchy.coarsest().len() >= 8 * COARSEST_ROWS * m {
+        return Ok(None);
+    }
     let mut subspace = Subspace::coarsest(&hierarchy, wanted, parameters)?;
     tell(SHARES[0])?;
     for at in (0..hierarchy.levels.len() - 1).rev() {
@@ -129,7 +133,7 @@ pub(crate) fn multigrid_eigenpairs(
             residuals.truncate(wanted);
             let (values, applications) = (values[..wanted].to_vec(), finest.applications);
             let order = stencil.order;
-            return Ok(Filtered {
+            return Ok(Some(Filtered {
                 values,
                 vectors,
                 bound,
@@ -138,7 +142,7 @@ pub(crate) fn multigrid_eigenpairs(
                 residuals,
                 restarts: looks,
                 applications,
-            });
+            }));
         }
         let from = first.get_or_insert(worst).ln().max(f64::MIN_POSITIVE);
         tell(SHARES[1] + (SHARES[2] - SHARES[1]) * (1.0 - worst.ln() / from).clamp(0.0, 1.0))?;
