@@ -91,7 +91,12 @@ fn surfaces(input: &mut Unstructured) -> arbitrary::Result<()> {
 
 fn parameters(input: &mut Unstructured, most: usize) -> arbitrary::Result<SpectrumParameters> {
     let count = input.int_in_range(1..=most.min(20))?;
-    let solver = *input.choose(&[Eigensolver::Auto, Eigensolver::ShiftInvert, Eigensolver::Filter, Eigensolver::Multigrid])?;
+    let solver = *input.choose(&[
+        Eigensolver::Auto,
+        Eigensolver::ShiftInvert,
+        Eigensolver::Filter,
+        Eigensolver::Multigrid,
+    ])?;
     Ok(SpectrumParameters { eigenpairs: count.into(), solver, ..SpectrumParameters::default() })
 }
 
