@@ -3,6 +3,7 @@
 use mser3d_laplace::Operator;
 
 use crate::block_matrix::BlockMatrix;
+use crate::null_space::NullSpace;
 use crate::quality::{check_residuals, orthogonality, residuals};
 use crate::standard_problem::StandardProblem;
 use crate::{SolverUsed, SpectralError, Spectrum, SpectrumReport};
@@ -18,6 +19,24 @@ pub(crate) struct Pairs {
     pub orthogonality: f64,
     pub restarts: usize,
     /// Vectors that the inverse was applied to.
+    pub applications: usize,
+}
+
+/// Converged eigenpairs of a grid without the null space.
+pub(crate) struct GridPairs {
+    /// Ascending.
+    pub values: Vec<f64>,
+    /// Rows in the order of `order`.
+    pub vectors: BlockMatrix,
+    /// The voxel of each row.
+    pub order: Vec<u32>,
+    pub null_space: NullSpace,
+    /// |A x - lambda x| / lambda of each pair.
+    pub residuals: Vec<f64>,
+    /// Upper bound of the spectrum.
+    pub bound: f64,
+    pub restarts: usize,
+    /// Vectors that A was applied to.
     pub applications: usize,
 }
 

@@ -15,6 +15,7 @@ use mser3d_shape::VoxelGrid;
 
 use crate::block_matrix::BlockMatrix;
 use crate::chebyshev::Polynomial;
+use crate::eigenpairs::GridPairs;
 use crate::elimination::{Elimination, Search};
 use crate::kernels::{Block, LANES, Lanes};
 use crate::lanczos::Lanczos;
@@ -54,24 +55,6 @@ const BEGIN: f64 = 0.05;
 const END: f64 = 0.8;
 const SMOOTHED: [f64; 2] = [0.85, 0.95];
 
-/// Converged eigenpairs of the standard problem without its null space.
-pub(crate) struct Filtered {
-    /// Ascending.
-    pub values: Vec<f64>,
-    /// Rows in the order of `order`.
-    pub vectors: BlockMatrix,
-    /// The voxel of each row.
-    pub order: Vec<u32>,
-    pub null_space: NullSpace,
-    /// |A x - lambda x| / lambda of each pair.
-    pub residuals: Vec<f64>,
-    /// Upper bound of the spectrum.
-    pub bound: f64,
-    pub restarts: usize,
-    /// Vectors that A was applied to.
-    pub applications: usize,
-}
-
 /// Columns of the Lanczos basis.
 pub(crate) fn basis_columns(wanted: usize) -> usize {
     ((COLUMNS_PER_PAIR * wanted as f64) as usize + 4 * BLOCK) / BLOCK * BLOCK
@@ -90,7 +73,7 @@ pub(crate) fn filtered_eigenpairs(
     pairs: usize,
     parameters: &SpectrumParameters,
     progress: &(dyn Fn(f64) -> ControlFlow<()> + Sync),
-) -> Result<Filtered, SpectralError> {
+) -> Result<GridPairs, SpectralError> {
     let stencil = SlicedStencil::new(grid);
     let n = stencil.len();
     // One component: bodies are solved one by one.
@@ -180,7 +163,7 @@ pub(crate) fn filtered_eigenpairs(
         }
         values.truncate(wanted);
         residuals.truncate(wanted);
-        return Ok(Filtered {
+        return Ok(GridPairs {
             values,
             vectors,
             bound: stencil.bound(),

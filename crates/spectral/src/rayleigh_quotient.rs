@@ -3,24 +3,23 @@
 use rayon::prelude::*;
 
 use crate::kernels::{Block, LANES, Lanes};
-use crate::stencil::{SlicedStencil, Step};
+use crate::stencil::SlicedStencil;
 use crate::temporal_blocking::{self, Tiling};
 
 /// Rows that a thread sums up at a time.
 const SUMMED_ROWS: usize = 1 << 13;
 
-/// `x^T A x` of each column of some blocks and `|A x - lambda x| / lambda`; `work` holds rubbish afterwards.
+/// `x^T A x` of each column of some blocks and `|A x - lambda x| / lambda`; `work` holds A x of the last one afterwards.
 pub(crate) fn rayleigh_quotients(
     stencil: &SlicedStencil,
     blocks: &mut [Block],
     work: &mut Block,
 ) -> (Vec<f64>, Vec<f64>) {
-    let once = [Step { a: 1.0, x: 0.0, previous: 0.0 }];
     let tiling = Tiling::new(stencil);
     let (mut values, mut residuals) = (Vec::new(), Vec::new());
     for block in blocks {
         work.resize(block.len(), Lanes::ZERO);
-        temporal_blocking::run(stencil, tiling, rayon::current_num_threads(), &once, block, work);
+        temporal_blocking::apply(stencil, tiling, block, work);
         let energy = sum_over_rows(block, work, |x, y, _| x * y);
         let square = sum_over_rows(block, work, |x, y, l| (y - energy[l] * x).powi(2));
         values.extend(energy);

@@ -121,9 +121,11 @@ fn connected_grid_eigenpairs(
     if solver == Eigensolver::Multigrid {
         check_memory(parameters.memory_limit, what(), n, n * (multigrid::columns(k) + k + 8))?;
         match multigrid::multigrid_eigenpairs(grid, k, parameters, progress) {
-            // Corrections can come to a stop where a shape's coarse levels are poor; polynomials cannot.
-            Err(SpectralError::NotConverged { .. }) => {}
-            ended => found = ended?.map(|found| (SolverUsed::Multigrid, found)),
+            Ok(ended) => found = ended.map(|found| (SolverUsed::Multigrid, found)),
+            Err(SpectralError::Cancelled) => return Err(SpectralError::Cancelled),
+            // Corrections can come to a stop, or make vectors dependent, where a shape's coarse levels are poor;
+            // polynomials cannot.
+            Err(_) => {}
         }
     }
     let (solver, found) = match found {

@@ -55,6 +55,12 @@ impl Tiling {
     }
 }
 
+/// `y = A x`; x stays as it is.
+pub(crate) fn apply(stencil: &SlicedStencil, tiling: Tiling, x: &mut [Lanes], y: &mut [Lanes]) {
+    let once = [Step { a: 1.0, x: 0.0, previous: 0.0 }];
+    run(stencil, tiling, rayon::current_num_threads(), &once, x, y);
+}
+
 /// Runs at most `tiling.steps` steps on all rows; the first reads `first`. Up to `parts` threads share the
 /// slices.
 ///

@@ -2,12 +2,13 @@
 //!
 //! Rough parts are solved by Chebyshev's iteration on each level (Adams, Brezina, Hu & Tuminaro 2003), smooth ones on the next coarser
 //! level. The shift makes smooth parts converge that lie just above the wanted eigenvalues. What belongs to the wanted
-//! eigenvectors is taken out on the coarsest level, where these are known: the equation is nearly singular there, and Rayleigh and Ritz do it better.
+//! eigenvectors is taken out on the coarsest level, where these are known: the equation is nearly singular there, and Rayleigh and
+//! Ritz do it better.
 
 use rayon::prelude::*;
 
 use super::hierarchy::Hierarchy;
-use super::level::{Columns, Level, ROWS, Short, Step, rows};
+use super::level::{ChebyshevStep, Columns, Level, ROWS, Short, rows};
 use super::ritz::rayleigh_ritz;
 use crate::SpectralError;
 use crate::block_matrix::BlockMatrix;
@@ -21,6 +22,7 @@ const VISITS: usize = 2;
 const ROUGH: [f32; 2] = [0.25, 2.0];
 /// The logarithm of by how much the coarsest level's error falls.
 const COARSEST: f64 = 5.0;
+
 /// The vectors of a level.
 pub(super) struct Workspace {
     pub residual: Vec<Short>,
@@ -99,7 +101,7 @@ impl<'a> Cycle<'a> {
         if coarser.is_empty() {
             self.take_out(&mut own.residual, |row| (1.0, level.mass()[row]));
             let gap = |shift: f32| (self.beyond - f64::from(shift)).max(0.1 * self.beyond);
-            let low = shift.map(|shift| (level.mass_over_diagonal() * gap(shift)).min(0.5) as f32);
+            let low = shift.map(|shift| (level.mass_over_diagonal * gap(shift)).min(0.5) as f32);
             let worst = f64::from(low.iter().copied().fold(0.5, f32::min));
             let steps = (0.5 * COARSEST * (2.0 / worst).sqrt()).ceil() as usize;
             chebyshev(level, shift, [low, [ROUGH[1]; LANES]], steps, own);
@@ -165,7 +167,7 @@ fn chebyshev(level: &Level, shift: &Columns, interval: [Columns; 2], steps: usiz
     let mut rho: Columns = std::array::from_fn(|l| delta[l] / theta[l]);
     for _ in 1..steps {
         let next: Columns = std::array::from_fn(|l| 1.0 / (2.0 * theta[l] / delta[l] - rho[l]));
-        let step = Step {
+        let step = ChebyshevStep {
             along: std::array::from_fn(|l| next[l] * rho[l]),
             residual: std::array::from_fn(|l| 2.0 * next[l] / delta[l]),
         };

@@ -29,6 +29,9 @@ pub(super) struct Level {
     diagonal: Vec<f32>,
     /// Voxels of a row.
     mass: Vec<f32>,
+    /// The mass of all rows over the sum of the diagonal: how much less a smooth function's eigenvalue of `D^-1 W` is than that
+    /// of `M^-1 W`.
+    pub mass_over_diagonal: f64,
 }
 
 /// A link along an axis: a row, the one after it, and how much of a difference flows.
@@ -37,7 +40,7 @@ pub(super) type Link = (u32, u32, f32);
 /// A step of Chebyshev's iteration: the next direction is `along` times the last one and `residual` times the residual over the
 /// diagonal.
 #[derive(Clone, Copy)]
-pub(super) struct Step {
+pub(super) struct ChebyshevStep {
     pub along: Columns,
     pub residual: Columns,
 }
@@ -64,7 +67,9 @@ impl Level {
                 diagonal[a as usize] += flow;
             }
         }
-        Self { starts, links: all, diagonal, mass }
+        let sum = |of: &[f32]| of.iter().map(|&x| f64::from(x)).sum::<f64>();
+        let mass_over_diagonal = sum(&mass) / sum(&diagonal);
+        Self { starts, links: all, diagonal, mass, mass_over_diagonal }
     }
 
     pub fn len(&self) -> usize {
@@ -73,13 +78,6 @@ impl Level {
 
     pub fn mass(&self) -> &[f32] {
         &self.mass
-    }
-
-    /// The mass of all rows over the sum of the diagonal: how a smooth function's eigenvalues of `D^-1 W` are less than those of
-    /// `M^-1 W`.
-    pub fn mass_over_diagonal(&self) -> f64 {
-        let sum = |of: &[f32]| of.iter().map(|&x| f64::from(x)).sum::<f64>();
-        sum(&self.mass) / sum(&self.diagonal)
     }
 
     /// As a matrix.
@@ -160,7 +158,7 @@ impl Level {
     pub fn next_direction(
         &self,
         shift: &Columns,
-        step: &Step,
+        step: &ChebyshevStep,
         along: &[Short],
         next: &mut [Short],
         residual: &mut [Short],
