@@ -180,15 +180,15 @@ fn volume_spectrum(n: f64, k: f64, parameters: &SpectrumParameters) -> Work {
     }
     let (solver, digits) = (parameters.solver, parameters.tolerance.ln().abs());
     let multigrid = match solver {
-        Eigensolver::Auto => n >= 30.0 * k * digits.powi(3),
-        Eigensolver::Multigrid => n >= 480.0 * (1.2 * k + 8.0),
+        Eigensolver::Auto => n >= 15.0 * k * digits.powi(3),
+        Eigensolver::Multigrid => n >= 480.0 * (1.5 * k + 8.0),
         _ => false,
     };
     if multigrid {
         // Corrections, and for every three all are made orthogonal.
-        let (columns, corrections) = (1.2 * k + 8.0, 0.65 * digits);
-        let seconds = n * columns * corrections * (14e-9 + 0.04e-9 * columns);
-        return Work { seconds, numbers: n * (columns + k + 8.0) };
+        let (columns, corrections) = (1.1 * k + 8.0, 0.45 * digits);
+        let seconds = n * columns * corrections * (17e-9 + 0.04e-9 * columns);
+        return Work { seconds, numbers: n * (columns + 24.0) };
     }
     let filter = match solver {
         Eigensolver::Auto => n >= 96.0 * k.max(16.0),

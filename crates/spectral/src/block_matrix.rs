@@ -17,6 +17,8 @@ use crate::kernels::{
 const CHUNK: usize = 512;
 /// Chunks that share a partial sum.
 const GROUP: usize = 16;
+/// Rows that are given back at a time.
+pub(crate) const PIECE: usize = 1 << 18;
 
 /// A matrix of `rows` rows and whole blocks of columns.
 #[derive(Clone, Debug)]
@@ -77,6 +79,38 @@ impl BlockMatrix {
                 divisors.iter().zip(&mut row.0).for_each(|(divisor, x)| *x /= divisor);
             }
         });
+    }
+
+    /// Rows of `width` numbers, in another order: `set(matrix, row, i, target)` sets the i-th from the row `source[i]`, which lies at
+    /// `row` of the matrix by then. Large blocks are given back piece by piece as rows are made of them, so that no more is held at a time than
+    /// the matrix and a block, or the rows.
+    pub fn into_rows(
+        mut self,
+        source: &[u32],
+        width: usize,
+        set: impl Fn(&Self, usize, usize, &mut [f64]) + Sync,
+    ) -> Vec<f64> {
+        let large = self.rows > PIECE;
+        if large {
+            for block in &mut self.blocks {
+                *block = source.par_iter().map(|&row| block[row as usize]).collect();
+            }
+        }
+        let mut all = vec![0.0; self.rows * width];
+        let mut end = self.rows;
+        while end > 0 {
+            let start = end.saturating_sub(PIECE);
+            let targets = all[start * width..end * width].par_chunks_exact_mut(width).with_min_len(CHUNK);
+            targets.zip(start..end).for_each(|(target, i)| {
+                set(&self, if large { i } else { source[i] as usize }, i, target);
+            });
+            for block in &mut self.blocks {
+                block.truncate(start);
+                block.shrink_to_fit();
+            }
+            end = start;
+        }
+        all
     }
 
     fn rows_of(&self, chunk: usize) -> Range<usize> {

@@ -4,8 +4,8 @@ use std::ops::ControlFlow;
 
 use mser3d_laplace::{aggregate_grid, grid_laplacian};
 use mser3d_shape::{Domain, Eigenbasis, VoxelGrid};
-use rayon::prelude::*;
 
+use crate::block_matrix::PIECE;
 use crate::components::{members, merge};
 use crate::count::count_below;
 use crate::filter::{basis_columns, coarse_factor, filtered_eigenpairs};
@@ -25,12 +25,13 @@ use crate::{
 
 /// The smallest eigenpairs of a voxel grid's Laplacian ([`mser3d_laplace::grid_laplacian`]), by the solver
 /// that suits it: where there are more than about a hundred voxels for each eigenpair, the polynomial filter,
-/// which needs no matrix; from `30 k ln(1 / tolerance)^3` voxels on, multigrid. Long thin bodies, such as rods and coils, suit the inverse: their eigenvalues are so small that the
-/// polynomials would be long, and their factors are thin.
+/// which needs no matrix; from `15 k ln(1 / tolerance)^3` voxels on, multigrid. Long thin bodies, such as rods and
+/// coils, suit the inverse: their eigenvalues are so small that the polynomials would be long, and their factors are
+/// thin.
 ///
 /// Cost of the filter, measured: `9.5 n^(4/3) k^(2/3)` stencil updates of 0.25 to 0.5 ns and `20 n k^2`
-/// flops; memory for about 2.5 k vectors. Of multigrid: 6 to 15 corrections of 1.2 k vectors of 14 ns for each voxel, and `4 n k^2` flops for
-/// every three; memory for 2.3 k vectors. `progress` as in [`crate::smallest_eigenpairs`].
+/// flops; memory for about 2.5 k vectors. Of multigrid: 6 to 15 corrections of 1.1 k vectors of 16 ns for each voxel, and
+/// `4 n k^2` flops for every three; memory for 1.1 k vectors and 20 more. `progress` as in [`crate::smallest_eigenpairs`].
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -119,7 +120,12 @@ fn connected_grid_eigenpairs(
     let what = || format!("{k} eigenpairs");
     let mut found = None;
     if solver == Eigensolver::Multigrid {
-        check_memory(parameters.memory_limit, what(), n, n * (multigrid::columns(k) + k + 8))?;
+        check_memory(
+            parameters.memory_limit,
+            what(),
+            n,
+            n * (multigrid::columns(k) + 20) + n.min(PIECE) * k,
+        )?;
         match multigrid::multigrid_eigenpairs(grid, k, parameters, progress) {
             Ok(ended) => found = ended.map(|found| (SolverUsed::Multigrid, found)),
             Err(SpectralError::Cancelled) => return Err(SpectralError::Cancelled),
@@ -159,16 +165,13 @@ fn connected_grid_eigenpairs(
     for (row, &voxel) in found.order.iter().enumerate() {
         rows[voxel as usize] = row as u32;
     }
-    let mut functions = vec![0.0; n * k];
-    functions.par_chunks_exact_mut(k).zip(rows).with_min_len(512).for_each(|(target, row)| {
-        let row = row as usize;
-        if let Some((label, constant)) =
-            found.null_space.constant(row).filter(|&(label, _)| label < zero_modes)
-        {
+    let functions = found.vectors.into_rows(&rows, k, |vectors, row, voxel, target| {
+        let constant = found.null_space.constant(rows[voxel] as usize);
+        if let Some((label, constant)) = constant.filter(|&(label, _)| label < zero_modes) {
             target[label] = constant;
         }
         for (t, &i) in target[zero_modes..].iter_mut().zip(&order) {
-            *t = found.vectors.at(row, i) * scale;
+            *t = vectors.at(row, i) * scale;
         }
     });
     let values = std::iter::repeat_n(0.0, zero_modes).chain(order.iter().map(|&i| found.values[i]));

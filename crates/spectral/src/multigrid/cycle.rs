@@ -49,14 +49,14 @@ pub(super) struct Cycle<'a> {
     pub hierarchy: &'a Hierarchy,
     /// Eigenvectors of the coarsest level, the constant among them, M-orthonormal.
     known: Vec<Vec<Short>>,
-    /// The smallest eigenvalue of the coarsest level beyond these.
-    beyond: f64,
+    /// The eigenvalues of the coarsest level but 0, at least one more than vectors are known.
+    values: Vec<f64>,
 }
 
 impl<'a> Cycle<'a> {
-    /// With the eigenvectors of the coarsest level, without the constant, and the eigenvalue that follows.
-    pub fn new(hierarchy: &'a Hierarchy, vectors: &BlockMatrix, beyond: f64) -> Self {
-        Self { hierarchy, known: with_constant(hierarchy.coarsest(), vectors), beyond }
+    /// With the eigenvectors of the coarsest level, without the constant, and their eigenvalues and the one that follows.
+    pub fn new(hierarchy: &'a Hierarchy, vectors: &BlockMatrix, values: Vec<f64>) -> Self {
+        Self { hierarchy, known: with_constant(hierarchy.coarsest(), vectors), values }
     }
 
     /// Takes what the grid's vectors are on the coarsest level for known: where two eigenvalues are in another order there than on
@@ -100,7 +100,8 @@ impl<'a> Cycle<'a> {
         rows(&mut own.d, |_, d| *d = Short::default());
         if coarser.is_empty() {
             self.take_out(&mut own.residual, |row| (1.0, level.mass()[row]));
-            let gap = |shift: f32| (self.beyond - f64::from(shift)).max(0.1 * self.beyond);
+            let beyond = self.values[(self.known.len() - 1) * LANES];
+            let gap = |shift: f32| (beyond - f64::from(shift)).max(0.1 * beyond);
             let low = shift.map(|shift| (level.mass_over_diagonal * gap(shift)).min(0.5) as f32);
             let worst = f64::from(low.iter().copied().fold(0.5, f32::min));
             let steps = (0.5 * COARSEST * (2.0 / worst).sqrt()).ceil() as usize;

@@ -31,9 +31,12 @@ use crate::stencil::SlicedStencil;
 use crate::temporal_blocking::{self, Tiling};
 use crate::{Eigensolver, SpectralError, SpectrumParameters};
 
-/// Vectors beside the wanted ones, as a share of these: what is left out must have a larger eigenvalue than any wanted one, on every
-/// level, by more than the level is wrong.
-const GUARD: f64 = 0.2;
+/// Vectors beside the wanted ones, as a share of these: what is left out must have a larger eigenvalue than any wanted one.
+const GUARD: f64 = 0.1;
+/// The same on the levels, where the eigenvalues of thin limbs are a tenth off, so that others come before them.
+const GUARD_ON_LEVELS: f64 = 0.5;
+/// Shifts end at this share of the largest eigenvalue that is iterated.
+const BELOW: f64 = 0.8;
 /// Rows of the coarsest level for each vector, at least: its waves must be a few rows long.
 const COARSEST_ROWS: usize = 60;
 /// How exact the coarsest level's eigenvectors are.
@@ -42,27 +45,39 @@ const COARSEST_TOLERANCE: f64 = 1e-5;
 const CORRECTIONS: usize = 2;
 /// The most corrections of the grid's vectors from one look at them to the next.
 const TOGETHER: usize = 3;
+/// The share of an error that a correction leaves, at most: of waves that the first level shows, but poorly.
+const RATE: f64 = 0.3;
 /// Degree of the polynomial that smooths what is rough on the grid.
-const DEGREE: usize = 8;
-/// What is rough begins at this share of the smallest eigenvalue that the first level cannot show.
-const ROUGH: f64 = 0.6;
+const DEGREE: usize = 12;
+/// What is rough begins at this share of the smallest eigenvalue that the first level cannot show: waves a little longer are shown by it,
+/// but poorly.
+const ROUGH: f64 = 0.3;
 /// What must be left of the largest residual from one look to the next, or the iteration has come to a stop.
 const PROGRESS: f64 = 0.5;
 /// It is faster than the filter from this many voxels on for each pair and cubed logarithm of the tolerance, as the filter's work grows
-/// as `n^(4/3) k^(2/3)`, and this as `n k` and the logarithm. At three million voxels with 50 pairs and 1e-6, a little below, it took .6
-/// and .9 of the filter's CPU time on two bodies.
-const PAYS: f64 = 30.0;
+/// as `n^(4/3) k^(2/3)`, and this as `n k` and the logarithm. At two million voxels with 50 pairs and 1e-6 it took .76 and .78 of the
+/// filter's CPU time on two bodies, at one million about as much.
+const PAYS: f64 = 15.0;
 /// Shares of the work: at the first level, at the grid, at the end of the iteration.
 const SHARES: [f64; 3] = [0.05, 0.2, 0.95];
 
-/// Vectors that are iterated.
+/// Vectors that are iterated on the grid.
 pub(crate) fn columns(wanted: usize) -> usize {
-    (wanted + (GUARD * wanted as f64).ceil() as usize + 2).next_multiple_of(LANES)
+    with_guard(wanted, GUARD)
+}
+
+/// Vectors that are iterated on the levels.
+fn columns_on_levels(wanted: usize) -> usize {
+    with_guard(wanted, GUARD_ON_LEVELS)
+}
+
+fn with_guard(wanted: usize, guard: f64) -> usize {
+    (wanted + (guard * wanted as f64).ceil() as usize + 2).next_multiple_of(LANES)
 }
 
 /// Whether there are coarser levels fine enough for these.
 pub(crate) fn has_levels(voxels: usize, wanted: usize) -> bool {
-    voxels >= 8 * COARSEST_ROWS * columns(wanted)
+    voxels >= 8 * COARSEST_ROWS * columns_on_levels(wanted)
 }
 
 /// Whether this is faster than the filter.
@@ -87,10 +102,9 @@ pub(crate) fn multigrid_eigenpairs(
     };
     let stencil = SlicedStencil::new(grid);
     let n = stencil.len();
-    // One component: bodies are solved one by one.
-    let null_space = NullSpace::new(&vec![0; n], &vec![grid.frame().voxel_volume().sqrt(); n], |_| true);
-    let wanted = pairs - null_space.len().min(pairs);
-    let m = columns(wanted);
+    // One component, with one constant: bodies are solved one by one.
+    let wanted = pairs - 1;
+    let m = columns_on_levels(wanted);
     let hierarchy = Hierarchy::new(grid, &stencil.order, COARSEST_ROWS * m);
     if hierarchy.coarsest().len() >= 8 * COARSEST_ROWS * m {
         return Ok(None);
@@ -104,6 +118,7 @@ pub(crate) fn multigrid_eigenpairs(
             tell(SHARES[0])?;
         }
     }
+    subspace.vectors.blocks_mut().truncate(columns(wanted) / LANES);
     subspace.carry_up(0, n);
     let Subspace { cycle, mut vectors, mut spaces, .. } = subspace;
     let mut finest = Finest::new(&stencil, cycle, grid);
@@ -113,8 +128,7 @@ pub(crate) fn multigrid_eigenpairs(
     let mut looks = 0;
     loop {
         looks += 1;
-        let (values, residuals) =
-            finest.look(&mut vectors, wanted, parameters.tolerance, &mut spaces, &tell)?;
+        let (values, residuals) = finest.look(&mut vectors, wanted, &tell)?;
         // Over what is asked for.
         let excess = |at: usize| residuals[at] / attainable(parameters.tolerance, bound, values[at]);
         let worst = (0..wanted).map(excess).fold(0.0, f64::max);
@@ -122,6 +136,7 @@ pub(crate) fn multigrid_eigenpairs(
         match check_residuals(values_wanted, residuals_wanted, bound, parameters.tolerance, looks) {
             Ok(_) => {
                 vectors.blocks_mut().truncate(wanted.div_ceil(LANES));
+                let root_mass = grid.frame().voxel_volume().sqrt();
                 return Ok(Some(GridPairs {
                     values: values_wanted.to_vec(),
                     residuals: residuals_wanted.to_vec(),
@@ -130,7 +145,7 @@ pub(crate) fn multigrid_eigenpairs(
                     vectors,
                     bound,
                     order: stencil.order,
-                    null_space,
+                    null_space: NullSpace::new(&vec![0; n], &vec![root_mass; n], |_| true),
                 }));
             }
             Err(stopped) if worst > PROGRESS * last || looks == parameters.max_iterations => {
@@ -147,10 +162,18 @@ pub(crate) fn multigrid_eigenpairs(
         }
         last = worst;
         let weak = (0..wanted).position(|at| excess(at) > 1.0).unwrap_or(0) / LANES;
-        for _ in 1..corrections {
-            finest.correct_from(weak, &mut vectors, &values, &mut spaces, &tell)?;
+        for at in 0..corrections {
+            let relaxation = relaxation(at, corrections);
+            finest.correct_from(weak, &mut vectors, &values, relaxation, &mut spaces, &tell)?;
         }
     }
+}
+
+/// By how much the step of one of several corrections is longer than the cycle says. A correction leaves between 0 and [`RATE`] of each part
+/// of the error; the roots of a Chebyshev polynomial on this interval make several leave less than as many equal ones.
+fn relaxation(at: usize, of: usize) -> f64 {
+    let angle = std::f64::consts::PI * (at as f64 + 0.5) / of as f64;
+    1.0 / (1.0 - RATE * 0.5 * (1.0 - angle.cos()))
 }
 
 /// Approximate eigenvectors of a level.
@@ -171,7 +194,7 @@ impl<'a> Subspace<'a> {
         parameters: &SpectrumParameters,
         progress: &(dyn Fn(f64) -> ControlFlow<()> + Sync),
     ) -> Result<Self, SpectralError> {
-        let m = columns(wanted);
+        let m = columns_on_levels(wanted);
         let level = hierarchy.coarsest();
         // The constant, the vectors, and one beyond.
         let parameters = SpectrumParameters {
@@ -184,9 +207,10 @@ impl<'a> Subspace<'a> {
         let found = connected_eigenpairs(&level.operator()?, m + 2, &parameters, &progress)?.basis;
         let mut vectors = BlockMatrix::zeros(level.len(), m);
         vectors.fill(m, |row, column| found.at(row)[column + 1]);
-        let cycle = Cycle::new(hierarchy, &vectors, found.eigenvalues()[m + 1]);
+        let values = found.eigenvalues()[1..].to_vec();
+        let cycle = Cycle::new(hierarchy, &vectors, values.clone());
         let spaces = cycle.workspaces();
-        Ok(Self { cycle, spaces, wanted, vectors, values: found.eigenvalues()[1..=m].to_vec() })
+        Ok(Self { cycle, spaces, wanted, vectors, values })
     }
 
     /// To the next finer level, of `rows` rows. Blocks are given back one by one.
@@ -206,7 +230,7 @@ impl<'a> Subspace<'a> {
         let level = &self.cycle.hierarchy.levels[at];
         let spaces = &mut self.spaces[at..];
         let mut work = BlockMatrix::zeros(level.len(), LANES);
-        let most = self.values[self.wanted - 1];
+        let most = largest_shift(&self.values, self.wanted);
         for (block, values) in self.vectors.blocks_mut().iter_mut().zip(self.values.chunks(LANES)) {
             let image = &mut work.blocks_mut()[0];
             level.apply(block, image);
@@ -223,8 +247,13 @@ impl<'a> Subspace<'a> {
     }
 }
 
-/// Shifts for some eigenvalues, none above `most`, the largest wanted one: a shift near those that are left out would lead away,
-/// where a coarse level's errors reach across the gap.
+/// The largest shift: the largest wanted eigenvalue, or less where that is near those that are left out. A shift near these would lead
+/// away, where a level's errors reach across the gap.
+fn largest_shift(values: &[f64], wanted: usize) -> f64 {
+    values[wanted - 1].min(BELOW * values[values.len() - 1])
+}
+
+/// Shifts for some eigenvalues, none above `most`.
 fn shifts(values: &[f64], most: f64) -> [f32; LANES] {
     std::array::from_fn(|l| values[l].clamp(0.0, most) as f32)
 }
@@ -237,7 +266,7 @@ struct Finest<'a> {
     smoother: Polynomial,
     /// The eigenvalue that is 1 on the levels: the largest weight.
     unit: f64,
-    /// The largest wanted eigenvalue.
+    /// The largest shift.
     most: f64,
     work: BlockMatrix,
     /// Vectors that A was applied to.
@@ -275,52 +304,34 @@ impl<'a> Finest<'a> {
         self.applications += DEGREE * LANES;
     }
 
-    /// Makes the vectors orthonormal and measures their residuals, |A x - lambda x| / lambda. Blocks with a wanted one that is too large are
-    /// corrected, and those that follow them. Returns the eigenvalues and the residuals; of vectors beyond, if nothing is to
-    /// be corrected, zeros.
+    /// Makes the vectors orthonormal and measures their residuals, |A x - lambda x| / lambda. Returns the eigenvalues and the residuals.
     fn look(
         &mut self,
         vectors: &mut BlockMatrix,
         wanted: usize,
-        tolerance: f64,
-        spaces: &mut [Workspace],
         tell: &Tell,
     ) -> Result<(Vec<f64>, Vec<f64>), SpectralError> {
         let (stencil, tiling) = (self.stencil, self.tiling);
-        let mut values = rayleigh_ritz(vectors, None, &mut self.work, |x, y| {
+        let count = rayleigh_ritz(vectors, None, &mut self.work, |x, y| {
             temporal_blocking::apply(stencil, tiling, x, y)
-        })?;
-        self.applications += values.len();
-        self.most = values[wanted - 1];
+        })?
+        .len();
         self.cycle.know(vectors)?;
-        let mut residuals = vec![0.0; values.len()];
-        let mut any = false;
-        for (at, block) in vectors.blocks_mut().iter_mut().enumerate() {
-            let columns = at * LANES..(at + 1) * LANES;
-            if columns.start >= wanted && !any {
-                break;
-            }
-            tell(SHARES[1])?;
-            let work = &mut self.work.blocks_mut()[0];
-            let (quotients, measured) = rayleigh_quotients(stencil, std::slice::from_mut(block), work);
-            self.applications += LANES;
-            values[columns.clone()].copy_from_slice(&quotients);
-            residuals[columns.clone()].copy_from_slice(&measured);
-            let weak = |at: usize| residuals[at] > attainable(tolerance, stencil.bound(), values[at]);
-            any |= columns.clone().take(wanted.saturating_sub(columns.start)).any(weak);
-            if any {
-                self.correct_from_image(block, &quotients, spaces);
-            }
-        }
+        tell(SHARES[1])?;
+        let (values, residuals) =
+            rayleigh_quotients(stencil, vectors.blocks_mut(), &mut self.work.blocks_mut()[0]);
+        self.applications += 2 * count;
+        self.most = largest_shift(&values, wanted);
         Ok((values, residuals))
     }
 
-    /// Corrects the vectors once more, from this block on.
+    /// Corrects the vectors once, from this block on.
     fn correct_from(
         &mut self,
         first: usize,
         vectors: &mut BlockMatrix,
         values: &[f64],
+        relaxation: f64,
         spaces: &mut [Workspace],
         tell: &Tell,
     ) -> Result<(), SpectralError> {
@@ -328,13 +339,19 @@ impl<'a> Finest<'a> {
             tell(SHARES[1])?;
             temporal_blocking::apply(self.stencil, self.tiling, block, &mut self.work.blocks_mut()[0]);
             self.applications += LANES;
-            self.correct_from_image(block, values, spaces);
+            self.correct_from_image(block, values, relaxation, spaces);
         }
         Ok(())
     }
 
     /// Corrects a block of vectors with these eigenvalues, whose image A x is in `work`.
-    fn correct_from_image(&mut self, block: &mut Block, values: &[f64], spaces: &mut [Workspace]) {
+    fn correct_from_image(
+        &mut self,
+        block: &mut Block,
+        values: &[f64],
+        relaxation: f64,
+        spaces: &mut [Workspace],
+    ) {
         let (image, unit) = (&self.work.blocks()[0], self.unit);
         let transfer = &self.cycle.hierarchy.transfers[0];
         transfer.restrict(&mut spaces[0].residual, |row| {
@@ -346,7 +363,7 @@ impl<'a> Finest<'a> {
         let values: [f64; LANES] = std::array::from_fn(|l| values[l] / unit);
         self.cycle.run(0, &shifts(&values, self.most / unit), spaces);
         transfer.interpolate(&spaces[0].d, block, |x, d: Short| {
-            (0..LANES).for_each(|l| x.0[l] -= f64::from(d.0[l]) + mean[l]);
+            (0..LANES).for_each(|l| x.0[l] -= relaxation * f64::from(d.0[l]) + mean[l]);
         });
         self.smooth(block);
     }
