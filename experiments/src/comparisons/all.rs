@@ -39,7 +39,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let spectra = spectrum::Peers::find(&arguments.python)?;
     let trees = tree::Peers::find(&arguments.python)?;
     let python = Python::find(&arguments.python, &[&["numpy"], &["libigl"]])?;
-    let mut heading = vec![format!("Machine: {}.", processor())];
+    let load = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
+    let load = load.split_whitespace().next().unwrap_or("unknown");
+    let mut heading = vec![format!("Machine: {}. Load when this began: {load}.", processor())];
     heading.extend(spectra.versions().into_iter().map(|version| format!("* {version}")));
     heading.extend(trees.version("higra").map(|version| format!("* {version}")));
     heading.iter().for_each(|line| println!("{line}"));
@@ -164,20 +166,14 @@ impl All {
             let missed = compared.clone().filter(|row| row.difference > spectrum::SAME).count();
             let replaced =
                 own.iter().filter(|row| row.solver.ends_with("multigrid") && row.used != "multigrid");
-            let note = match (solver, replaced.count()) {
-                (Solver::ScipyCholmod, _) => "what the others are compared with".into(),
-                (_, replaced) => {
-                    let others = if replaced == 0 {
-                        String::new()
-                    } else {
-                        format!("; in {replaced} the filter took over")
-                    };
-                    format!(
-                        "eigenvalues missed in {missed} of {} cases, largest difference {most:.0e}{others}",
-                        compared.count()
-                    )
-                }
+            let others = match replaced.count() {
+                0 => String::new(),
+                some => format!("; in {some} the filter took over"),
             };
+            let note = format!(
+                "eigenvalues missed in {missed} of {} cases, largest difference {most:.0e}{others}",
+                compared.count()
+            );
             self.lines.push(Line::new(&case, solver.label(), Some(own[0].threads), &usage).with(note));
         }
         Ok(())

@@ -53,6 +53,13 @@ pub fn of_process(command: &mut Command) -> Result<Usage, Box<dyn Error>> {
     Ok(Usage { cpu: cpu / TICKS, wall, peak: f64::NAN })
 }
 
+/// Seconds that all cores together have had nothing to do since the system started; NaN where it doesn't say.
+pub fn idle_seconds() -> f64 {
+    let stat = fs::read_to_string("/proc/stat").unwrap_or_default();
+    let ticks = stat.split_whitespace().nth(4).and_then(|ticks| ticks.parse::<f64>().ok());
+    ticks.map_or(f64::NAN, |ticks| ticks / TICKS)
+}
+
 /// Resident memory now, bytes; NaN where the system doesn't say.
 pub fn resident() -> f64 {
     status_bytes("VmRSS:")

@@ -11,7 +11,7 @@ use mser3d_evaluation::shrec::{Class, transform};
 use mser3d_meshio::write_off;
 
 use super::report::Line;
-use crate::comparisons::resources::{Usage, of_process};
+use crate::comparisons::resources::{Usage, idle_seconds, of_process};
 use crate::pose_sets::{SetArguments, in_repository};
 
 /// The sets whose poses and persons a batch takes.
@@ -69,16 +69,22 @@ impl Program {
             write_off(&input.join(format!("{number:03}.off")), &warped)?;
         }
         let output = folder.path().join("found");
+        let idle = idle_seconds();
         let usage = self.run("batch", &input, &output)?;
+        let idle = idle_seconds() - idle;
         let found =
             fs::read_dir(&output)?.flatten().filter(|entry| entry.path().join("regions.json").exists());
         let (found, rate) = (found.count(), shapes as f64 / usage.wall);
         if found < shapes {
             return Err(format!("only {found} of {shapes} shapes have results").into());
         }
-        let busy = 100.0 * usage.cpu / (usage.wall * cores() as f64);
+        let share = |seconds: f64| 100.0 * seconds / (usage.wall * cores() as f64);
+        let (busy, idle) = (share(usage.cpu), share(idle));
         let case = ["batch".into(), format!("{shapes} warped bodies, 45K voxels each")];
-        let note = format!("{rate:.2} shapes a second; {} cores busy to {busy:.0} %", cores());
+        let note = format!(
+            "{rate:.2} shapes a second; of {} cores {busy:.0} % busy with it, {idle:.0} % idle",
+            cores()
+        );
         Ok(Line::new(&case, "mser3d batch", Some(cores()), &usage).with(note))
     }
 }
