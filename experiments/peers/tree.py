@@ -1,10 +1,10 @@
 """Component trees by other people's libraries.
 
     python tree.py probe                                   which are here, as JSON
-    python tree.py METHOD FIELD NX NY NZ                   builds a tree and says what it took, as JSON
+    python tree.py METHOD FIELD TYPE NX NY NZ              builds a tree and says what it took, as JSON
     python tree.py fixtures FILE                           Higra's answers on small fields: comptree/tests/it/data/higra.txt
 
-METHOD is higra-vertex, higra-edge or scipy-edge. FIELD holds little-endian float64, x fastest; neighbours share
+METHOD is higra-vertex, higra-edge or scipy-edge. FIELD holds numbers of NumPy's TYPE, x fastest; neighbours share
 a face, and edge weights are absolute differences. Times leave out reading and, for edge trees, making the graph
 and its weights; memory is all beyond the field.
 
@@ -69,14 +69,14 @@ def digest(own, above):
         return f'{int((h ^ (h >> np.uint64(31))).sum(dtype=np.uint64)):016x}', int(large.sum())
 
 
-def run(method, path, dims):
+def run(method, path, dtype, dims):
     if method.startswith('higra'):
         import higra
     else:
         from scipy.sparse import csr_matrix
         from scipy.sparse.csgraph import minimum_spanning_tree
     shape = dims[::-1]
-    field = np.fromfile(path).reshape(shape)
+    field = np.fromfile(path, dtype).reshape(shape)
     before = memory('VmRSS:')
     try:
         with open('/proc/self/clear_refs', 'w') as peak:
@@ -172,7 +172,7 @@ def main():
     elif sys.argv[1] == 'fixtures':
         fixtures(sys.argv[2])
     else:
-        run(sys.argv[1], sys.argv[2], tuple(map(int, sys.argv[3:6])))
+        run(sys.argv[1], sys.argv[2], sys.argv[3], tuple(map(int, sys.argv[4:7])))
 
 
 if __name__ == '__main__':

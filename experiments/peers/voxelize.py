@@ -4,7 +4,7 @@
 
 JOB.json names raw files: vertices (float64, n x 3), triangles (uint32, m x 3), and `inside`, our own bits
 (rows along x in little-endian 64-bit words); and the grid: dims, origin, spacing. One JSON line for each peer
-goes to stdout: name, version, output, seconds (wall and CPU, best of `runs`), voxels inside, voxels that
+named in `peers` goes to stdout: name, version, output, seconds (wall and CPU, best of `runs`), voxels inside, voxels that
 differ from ours. A peer that is not installed is left out.
 
     pip install numpy open3d vtk libigl trimesh scipy
@@ -35,7 +35,7 @@ class Job:
             job = json.load(file)
         self.vertices = np.fromfile(job["vertices"], np.float64).reshape(-1, 3)
         self.triangles = np.fromfile(job["triangles"], np.uint32).reshape(-1, 3).astype(np.int64)
-        self.dims, self.runs, self.slow = job["dims"], job["runs"], job["slow"]
+        self.dims, self.runs, self.slow, self.peers = job["dims"], job["runs"], job["slow"], job["peers"]
         self.origin, self.spacing = np.array(job["origin"]), job["spacing"]
         nx, ny, nz = self.dims
         words = np.fromfile(job["inside"], np.uint8)
@@ -134,12 +134,10 @@ def trimesh_fill(job):
 
 def main():
     job = Job(sys.argv[1])
-    peers = [open3d_columns, vtk_stencil]
-    if not job.slow:
-        peers += [libigl_winding, trimesh_fill]
-    for peer in peers:
+    peers = {"open3d": open3d_columns, "vtk": vtk_stencil, "libigl": libigl_winding, "trimesh": trimesh_fill}
+    for peer in job.peers:
         try:
-            peer(job)
+            peers[peer](job)
         except (ImportError, importlib.metadata.PackageNotFoundError) as missing:
             print(f"left out: {missing}", file=sys.stderr)
 

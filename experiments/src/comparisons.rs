@@ -1,6 +1,7 @@
 //! `cargo xtask bench`: our stages beside other people's, on the same input, in one run; and `cargo xtask peers`, our parts
 //! beside theirs.
 
+mod all;
 pub mod peers;
 pub mod python;
 mod refine;
@@ -20,6 +21,8 @@ pub struct Arguments {
 
 #[derive(clap::Subcommand)]
 enum Bench {
+    /// What all of it takes, stage by stage, beside the fastest of the others: one table
+    All(all::Arguments),
     /// Eigenpairs: our two solvers, SciPy, LaPy and Spectra
     Spectrum(spectrum::Arguments),
     /// Component trees: Higra and SciPy
@@ -31,6 +34,7 @@ enum Bench {
 /// Runs a benchmark.
 pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     match &arguments.bench {
+        Bench::All(arguments) => all::run(arguments),
         Bench::Spectrum(arguments) => spectrum::run(arguments),
         Bench::Tree(arguments) => tree::run(arguments),
         Bench::Voxelize(arguments) => voxelize::run(arguments),

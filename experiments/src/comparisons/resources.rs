@@ -1,6 +1,8 @@
 //! What a process has used so far, and what it runs on; from /proc, so on Linux only.
 
+use std::error::Error;
 use std::fs;
+use std::process::Command;
 use std::time::Instant;
 
 /// Clock ticks of `/proc/self/stat` in a second, on every Linux there is.
@@ -36,17 +38,44 @@ impl Stopwatch {
     }
 }
 
+/// Runs a program to its end, with nothing else running for this process meanwhile. Its peak is not known.
+///
+/// # Errors
+/// Why it did not start, or the last line that it said when it failed.
+pub fn of_process(command: &mut Command) -> Result<Usage, Box<dyn Error>> {
+    let (start, before) = (Instant::now(), cpu_ticks(13));
+    let output = command.output()?;
+    let (wall, cpu) = (start.elapsed().as_secs_f64(), cpu_ticks(13) - before);
+    if !output.status.success() {
+        let text = String::from_utf8_lossy(&output.stderr);
+        return Err(text.lines().next_back().unwrap_or("no message").into());
+    }
+    Ok(Usage { cpu: cpu / TICKS, wall, peak: f64::NAN })
+}
+
+/// Seconds that all cores together have had nothing to do since the system started; NaN where it doesn't say.
+pub fn idle_seconds() -> f64 {
+    let stat = fs::read_to_string("/proc/stat").unwrap_or_default();
+    let ticks = stat.split_whitespace().nth(4).and_then(|ticks| ticks.parse::<f64>().ok());
+    ticks.map_or(f64::NAN, |ticks| ticks / TICKS)
+}
+
 /// Resident memory now, bytes; NaN where the system doesn't say.
 pub fn resident() -> f64 {
     status_bytes("VmRSS:")
 }
 
 fn cpu_seconds() -> f64 {
+    cpu_ticks(11) / TICKS
+}
+
+/// User and system time of this process, from 11 on, or of those that it waited for, from 13 on.
+fn cpu_ticks(from: usize) -> f64 {
     let stat = fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    // The second field is the program's name in parentheses; utime and stime are the 14th and 15th.
+    // The second field is the program's name in parentheses; utime and stime are the 14th and 15th, of children the 16th and 17th.
     let after = stat.rsplit(')').next().unwrap_or_default();
     let ticks = |at: usize| after.split_whitespace().nth(at).and_then(|t| t.parse::<f64>().ok());
-    ticks(11).zip(ticks(12)).map_or(f64::NAN, |(user, system)| (user + system) / TICKS)
+    ticks(from).zip(ticks(from + 1)).map_or(f64::NAN, |(user, system)| user + system)
 }
 
 fn status_bytes(key: &str) -> f64 {

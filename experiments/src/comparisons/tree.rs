@@ -5,12 +5,14 @@ mod field;
 mod ours;
 mod report;
 
+pub use field::{FIELDS, Field};
+pub use report::Row;
+
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use field::{FIELDS, Field};
-use report::Row;
+use serde_json::Value;
 
 use super::python::{Python, PythonArguments, answer};
 use super::resources::processor;
@@ -32,8 +34,8 @@ pub struct Arguments {
     /// Folder for tree.md and tree.csv [default: docs/results, when all fields ran]
     #[arg(short, long)]
     output: Option<PathBuf>,
-    /// Build one tree of ours and print what came out: weights, file, and voxels along x, y and z
-    #[arg(long, num_args = 5, hide = true)]
+    /// Build one tree of ours and print what came out: weights, file, type, and voxels along x, y and z
+    #[arg(long, num_args = 6, hide = true)]
     child: Option<Vec<String>>,
 }
 
@@ -46,17 +48,15 @@ const PEERS: [(&str, &str, &str, &str); 3] = [
 
 /// Runs the fields and prints and writes the tables.
 pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
-    if let Some([weights, path, dims @ ..]) = arguments.child.as_deref() {
+    if let Some([weights, path, numbers, dims @ ..]) = arguments.child.as_deref() {
         let dims: Vec<usize> = dims.iter().map(|n| n.parse()).collect::<Result<_, _>>()?;
         let dims = dims.try_into().map_err(|_| "three numbers of voxels are needed")?;
-        return ours::build_and_print(weights, Path::new(path), dims);
+        return ours::build_and_print(weights, Path::new(path), numbers, dims);
     }
-    let packages: &[&[&str]] = &[&["numpy"], &["scipy"], &["higra"]];
-    let python = Python::find(&arguments.python, packages)?;
-    let versions = python.probe("tree.py");
+    let peers = Peers::find(&arguments.python)?;
     let mut heading = vec![format!("Machine: {}.", processor())];
     for name in ["higra", "scipy"] {
-        heading.push(match versions[name].as_str() {
+        heading.push(match peers.version(name) {
             Some(version) => format!("* {version}"),
             None => format!("* no {name} here (to get it: pip install {name})"),
         });
@@ -68,28 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         arguments.case.is_empty() || arguments.case.iter().any(|part| field.name.contains(part))
     };
     for field in FIELDS.iter().filter(chosen) {
-        let path = python.folder.join(format!("{}.f64", field.name));
-        field.write(&path)?;
-        for weights in ["vertex", "edge"] {
-            let mut libraries: Vec<(String, usize, Command)> = Vec::new();
-            for (_, label, method, _) in
-                PEERS.iter().filter(|peer| peer.0 == weights && versions[peer.3].is_string())
-            {
-                let mut command = python.script("tree.py");
-                command.arg(method).arg(&path);
-                libraries.push((label.to_string(), 1, command));
-            }
-            for &threads in &arguments.threads {
-                let mut command = Command::new(std::env::current_exe()?);
-                command.args(["bench", "tree", "--child", weights]).arg(&path);
-                command.env("RAYON_NUM_THREADS", threads.to_string());
-                libraries.push(("mser3d".into(), threads, command));
-            }
-            let new = compare(field, weights, libraries, arguments.repeat)?;
-            new.iter().for_each(|row| println!("{}", row.line()));
-            rows.extend(new);
-        }
-        std::fs::remove_file(path)?;
+        rows.extend(run_field(field, field.weights(), &peers, &arguments.threads, arguments.repeat)?);
     }
     let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/results");
     let output = arguments.output.clone().or_else(|| arguments.case.is_empty().then_some(default));
@@ -102,6 +81,60 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     }
 }
 
+/// Where the peers are, and which.
+pub struct Peers {
+    python: Python,
+    versions: Value,
+}
+
+impl Peers {
+    /// Looks for them, and installs them first if asked to.
+    pub fn find(arguments: &PythonArguments) -> Result<Self, Box<dyn Error>> {
+        let python = Python::find(arguments, &[&["numpy"], &["scipy"], &["higra"]])?;
+        let versions = python.probe("tree.py");
+        Ok(Self { python, versions })
+    }
+
+    /// The version of a library that is here.
+    pub fn version(&self, library: &str) -> Option<&str> {
+        self.versions[library].as_str()
+    }
+}
+
+/// Compares the trees of a field by these weights, and prints a row for each library and number of threads of ours.
+pub fn run_field(
+    field: &Field,
+    weights: &[&'static str],
+    peers: &Peers,
+    threads: &[usize],
+    repeat: usize,
+) -> Result<Vec<Row>, Box<dyn Error>> {
+    let path = peers.python.folder.join(format!("{}.{}", field.name, field.numbers.name()));
+    field.write(&path)?;
+    let mut rows = Vec::new();
+    for &weights in weights {
+        let mut libraries: Vec<(String, usize, Command)> = Vec::new();
+        for (_, label, method, library) in PEERS.iter().filter(|peer| peer.0 == weights) {
+            if peers.version(library).is_some() {
+                let mut command = peers.python.script("tree.py");
+                command.arg(method).arg(&path);
+                libraries.push((label.to_string(), 1, command));
+            }
+        }
+        for &threads in threads {
+            let mut command = Command::new(std::env::current_exe()?);
+            command.args(["bench", "tree", "--child", weights]).arg(&path);
+            command.env("RAYON_NUM_THREADS", threads.to_string());
+            libraries.push(("mser3d".into(), threads, command));
+        }
+        let new = compare(field, weights, libraries, repeat)?;
+        new.iter().for_each(|row| println!("{}", row.line()));
+        rows.extend(new);
+    }
+    std::fs::remove_file(path)?;
+    Ok(rows)
+}
+
 /// Runs all libraries on a field in turns; the first that builds a tree is the oracle.
 fn compare(
     field: &Field,
@@ -110,7 +143,7 @@ fn compare(
     repeat: usize,
 ) -> Result<Vec<Row>, Box<dyn Error>> {
     let dims = field.dims.map(|n| n.to_string());
-    libraries.iter_mut().for_each(|(.., command)| _ = command.args(&dims));
+    libraries.iter_mut().for_each(|(.., command)| _ = command.arg(field.numbers.name()).args(&dims));
     let mut rows: Vec<Option<Row>> = vec![None; libraries.len()];
     for _ in 0..repeat.max(1) {
         for ((library, threads, command), row) in libraries.iter_mut().zip(&mut rows) {

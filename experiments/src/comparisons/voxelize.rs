@@ -1,8 +1,11 @@
 //! `cargo xtask bench voxelize`: closed and open meshes at two resolutions, ours and the peers' voxels compared.
 
-mod meshes;
+pub mod meshes;
 mod ours;
 mod report;
+
+pub use ours::{TASKS, TREE_CODE};
+pub use report::Row;
 
 use std::error::Error;
 use std::fs;
@@ -13,8 +16,6 @@ use mser3d::shape::TriangleMesh;
 use mser3d::voxelize::{Pitch, VoxelizeParameters, inside};
 use mser3d_meshio::{ReadOptions, read_mesh};
 use serde_json::{Value, json};
-
-use report::Row;
 
 use super::python::{Python, PythonArguments, answer};
 use super::resources::processor;
@@ -67,7 +68,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let mut rows = Vec::new();
     for (name, mesh) in &meshes {
         for &resolution in &arguments.resolution {
-            rows.extend(compare(name, mesh, resolution, &python, arguments)?);
+            // All but the fastest take minutes where the grid is fine.
+            let peers: &[&str] = if resolution > 200 { &PEERS[..2] } else { &PEERS };
+            let plan = Plan { tasks: &TASKS, threads: &arguments.threads, runs: arguments.runs, peers };
+            rows.extend(compare(name, mesh, resolution, &python, &plan)?);
         }
     }
     let all = arguments.meshes.is_empty() && arguments.resolution == [128, 512];
@@ -78,13 +82,28 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     }
 }
 
+/// Who voxelizes, and how often.
+pub struct Plan<'a> {
+    /// Tasks of ours, and their names in the table; first what counts crossings, then what the mesh's diagnosis asks for.
+    pub tasks: &'a [(&'a str, &'a str)],
+    /// Threads of ours, one row each.
+    pub threads: &'a [usize],
+    /// The best counts.
+    pub runs: usize,
+    /// Of [`PEERS`].
+    pub peers: &'a [&'a str],
+}
+
+/// The peers, as `peers/voxelize.py` knows them.
+pub const PEERS: [&str; 4] = ["open3d", "vtk", "libigl", "trimesh"];
+
 /// Ours, then the peers, on one grid; printed as they come.
-fn compare(
+pub fn compare(
     name: &str,
     mesh: &TriangleMesh,
     resolution: usize,
     python: &Python,
-    arguments: &Arguments,
+    plan: &Plan<'_>,
 ) -> Result<Vec<Row>, Box<dyn Error>> {
     let parameters = VoxelizeParameters { pitch: Pitch::Resolution(resolution), ..Default::default() };
     let (frame, bits) = inside(mesh, &parameters)?;
@@ -102,7 +121,7 @@ fn compare(
     let job = json!({
         "vertices": file("vertices.f64")?, "triangles": file("triangles.u32")?, "inside": file("inside.bits")?,
         "dims": frame.dims(), "origin": frame.origin(), "spacing": frame.spacing()[0],
-        "resolution": resolution, "runs": arguments.runs, "slow": resolution > 200,
+        "resolution": resolution, "runs": plan.runs, "slow": resolution > 200, "peers": plan.peers,
     });
     let path = file("job.json")?;
     fs::write(&path, serde_json::to_string_pretty(&job)?)?;
@@ -114,19 +133,20 @@ fn compare(
         println!("{}", row.line());
         rows.push(row);
     };
-    for (number, (task, label)) in ours::TASKS.into_iter().enumerate() {
-        for &threads in &arguments.threads {
+    for (number, &(task, label)) in plan.tasks.iter().enumerate() {
+        for &threads in plan.threads {
             let mut command = Command::new(std::env::current_exe()?);
             command.args(["bench", "voxelize", "--child"]).arg(&path).arg(task);
             let found = answer(command.env("RAYON_NUM_THREADS", threads.to_string()))?;
             let (wall, cpu) = (seconds(&found, "wall"), seconds(&found, "cpu"));
             if let Some(best) = ours.get_mut(number) {
-                let [most, fewest] = [arguments.threads.iter().max(), arguments.threads.iter().min()];
+                let [most, fewest] = [plan.threads.iter().max(), plan.threads.iter().min()];
                 best[0] = if most == Some(&threads) { wall } else { best[0] };
                 best[1] = if fewest == Some(&threads) { cpu } else { best[1] };
             }
             let (case, library, memory) = (case.clone(), label.into(), seconds(&found, "memory"));
-            let (threads, differing, ratios) = (Some(threads), None, [f64::NAN; 2]);
+            let differing = found["differing"].as_u64();
+            let (threads, ratios) = (Some(threads), [f64::NAN; 2]);
             push(Row { case, library, threads, wall, cpu, memory, differing, ratios });
         }
     }

@@ -8,7 +8,7 @@ use super::scale::Scale;
 use crate::tree::NONE;
 
 /// Vertices of a bin, on average.
-const BIN: u32 = 1024;
+const BIN: u32 = 2048;
 
 /// Turns the basins of a range of vertices into branches, and counts the vertices of each.
 pub(super) fn climb<R: Filtration>(

@@ -41,7 +41,7 @@ impl Solver {
     }
 
     /// How to get it.
-    fn advice(self) -> &'static str {
+    pub fn advice(self) -> &'static str {
         match self {
             Self::Ours(_) => "",
             Self::Spectra => {

@@ -11,7 +11,34 @@ use mser3d::shape::SplitMix64;
 pub struct Field {
     pub name: &'static str,
     pub dims: [usize; 3],
+    pub numbers: Numbers,
     kind: Kind,
+}
+
+/// The type of a field's numbers.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Numbers {
+    /// As they are.
+    F64,
+    /// All bits from the least value to the greatest.
+    U16,
+    /// The same.
+    U8,
+}
+
+impl Numbers {
+    /// As NumPy calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::F64 => "f8",
+            Self::U16 => "u2",
+            Self::U8 => "u1",
+        }
+    }
+
+    pub fn of_name(name: &str) -> Option<Self> {
+        [Self::F64, Self::U16, Self::U8].into_iter().find(|numbers| numbers.name() == name)
+    }
 }
 
 enum Kind {
@@ -24,12 +51,14 @@ enum Kind {
 }
 
 /// All fields, small ones first.
-pub const FIELDS: [Field; 5] = [
-    Field { name: "smooth-45K", dims: [36, 36, 35], kind: Kind::Smooth },
-    Field { name: "smooth-1M", dims: [100, 100, 100], kind: Kind::Smooth },
-    Field { name: "grey-1M", dims: [100, 100, 100], kind: Kind::Grey },
-    Field { name: "noise-1M", dims: [100, 100, 100], kind: Kind::Noise },
-    Field { name: "smooth-10M", dims: [224, 223, 200], kind: Kind::Smooth },
+pub const FIELDS: [Field; 7] = [
+    Field { name: "smooth-45K", dims: [36, 36, 35], numbers: Numbers::F64, kind: Kind::Smooth },
+    Field { name: "smooth-1M", dims: [100, 100, 100], numbers: Numbers::F64, kind: Kind::Smooth },
+    Field { name: "grey-1M", dims: [100, 100, 100], numbers: Numbers::F64, kind: Kind::Grey },
+    Field { name: "noise-1M", dims: [100, 100, 100], numbers: Numbers::F64, kind: Kind::Noise },
+    Field { name: "smooth-10M", dims: [224, 223, 200], numbers: Numbers::F64, kind: Kind::Smooth },
+    Field { name: "smooth-10M-u16", dims: [224, 223, 200], numbers: Numbers::U16, kind: Kind::Smooth },
+    Field { name: "smooth-10M-u8", dims: [224, 223, 200], numbers: Numbers::U8, kind: Kind::Smooth },
 ];
 
 impl Field {
@@ -37,7 +66,12 @@ impl Field {
         self.dims.iter().product()
     }
 
-    pub fn values(&self) -> Vec<f64> {
+    /// What trees of it are compared.
+    pub fn weights(&self) -> &'static [&'static str] {
+        if self.numbers == Numbers::F64 { &["vertex", "edge"] } else { &["vertex"] }
+    }
+
+    fn values(&self) -> Vec<f64> {
         let mut random = SplitMix64::new(1);
         let waves: Vec<[f64; 4]> = (0..12)
             .map(|_| {
@@ -62,6 +96,17 @@ impl Field {
 
     /// Little-endian.
     pub fn write(&self, path: &Path) -> Result<(), Box<dyn Error>> {
-        Ok(fs::write(path, self.values().into_iter().flat_map(f64::to_le_bytes).collect::<Vec<u8>>())?)
+        let values = self.values();
+        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let step = |value: f64, steps: f64| ((value - least) / (most - least) * steps).round();
+        let bytes: Vec<u8> = match self.numbers {
+            Numbers::F64 => values.into_iter().flat_map(f64::to_le_bytes).collect(),
+            Numbers::U16 => {
+                values.into_iter().flat_map(|x| (step(x, f64::from(u16::MAX)) as u16).to_le_bytes()).collect()
+            }
+            Numbers::U8 => values.into_iter().map(|x| step(x, f64::from(u8::MAX)) as u8).collect(),
+        };
+        Ok(fs::write(path, bytes)?)
     }
 }

@@ -4,25 +4,47 @@ use std::error::Error;
 use std::hint::black_box;
 use std::path::Path;
 
-use mser3d::comptree::{ComponentTree, Polarity, TreeError};
+use mser3d::comptree::{ComponentTree, GreyValue, Polarity, TreeError};
 use mser3d::shape::{Connectivity, SplitMix64};
 use serde_json::json;
 
+use super::field::Numbers;
 use crate::comparisons::resources::{Stopwatch, resident};
 
 /// Builds the tree of a field and prints what it took and what came out, as JSON. A small one is built many
 /// times: processor time comes in steps of a hundredth of a second.
-pub fn build_and_print(weights: &str, path: &Path, dims: [usize; 3]) -> Result<(), Box<dyn Error>> {
-    let values: Vec<f64> =
-        std::fs::read(path)?.as_chunks::<8>().0.iter().map(|&bytes| f64::from_le_bytes(bytes)).collect();
+pub fn build_and_print(
+    weights: &str,
+    path: &Path,
+    numbers: &str,
+    dims: [usize; 3],
+) -> Result<(), Box<dyn Error>> {
+    let bytes = std::fs::read(path)?;
+    match Numbers::of_name(numbers).ok_or("no such type of numbers")? {
+        Numbers::F64 => print(
+            weights,
+            &bytes.as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect::<Vec<_>>(),
+            dims,
+        ),
+        Numbers::U16 => print(
+            weights,
+            &bytes.as_chunks().0.iter().map(|b| u16::from_le_bytes(*b)).collect::<Vec<_>>(),
+            dims,
+        ),
+        Numbers::U8 => print(weights, &bytes, dims),
+    }
+}
+
+fn print<V: GreyValue>(weights: &str, values: &[V], dims: [usize; 3]) -> Result<(), Box<dyn Error>> {
     let build = || -> Result<ComponentTree, TreeError> {
-        let difference = |u: u32, v: u32| (values[u as usize] - values[v as usize]).abs();
+        let value = |v: u32| -> f64 { values[v as usize].into() };
+        let difference = |u: u32, v: u32| (value(u) - value(v)).abs();
         match weights {
             "edge" => {
                 ComponentTree::from_grid_edges(dims, Connectivity::Six, difference, 1.0, Polarity::Sublevel)
             }
             _ => {
-                ComponentTree::from_grid(dims, Connectivity::Six, black_box(&values), 1.0, Polarity::Sublevel)
+                ComponentTree::from_grid(dims, Connectivity::Six, black_box(values), 1.0, Polarity::Sublevel)
             }
         }
     };
@@ -34,7 +56,7 @@ pub fn build_and_print(weights: &str, path: &Path, dims: [usize; 3]) -> Result<(
         let tree = build()?;
         let seconds = start.elapsed().as_secs_f64();
         (wall, count, spent) = (wall.min(seconds), count + 1, spent + seconds);
-        if spent > 0.3 {
+        if spent > 1.0 {
             break tree;
         }
     };
