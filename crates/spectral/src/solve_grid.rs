@@ -28,7 +28,7 @@ use crate::{
 /// which needs no matrix; from `30 k ln(1 / tolerance)^3` voxels on, multigrid. Long thin bodies, such as rods and coils, suit the inverse: their eigenvalues are so small that the
 /// polynomials would be long, and their factors are thin.
 ///
-/// Cost of the filter, measured: `9.5 n^(4/3) k^(2/3)` stencil updates of 0.25 to 0.5 ns and `20 n k^2`
+/// Cost of the filter, measured: `8.3 n^(4/3) k^(2/3)` stencil updates of 0.25 to 0.5 ns and `20 n k^2`
 /// flops; memory for about 2.5 k vectors. Of multigrid: 6 to 15 corrections of 1.2 k vectors of 14 ns for each voxel, and `4 n k^2` flops for
 /// every three; memory for 2.3 k vectors. `progress` as in [`crate::smallest_eigenpairs`].
 ///
