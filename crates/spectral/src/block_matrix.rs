@@ -10,7 +10,7 @@ use mser3d_shape::SplitMix64;
 use rayon::prelude::*;
 
 use crate::kernels::{
-    Block, LANES, Lanes, Square, add_own_products, add_products, combine, rotate, squares, total,
+    Block, LANES, Lanes, Square, add_own_products, add_products, combine, rotate, squares, total, with_next,
 };
 
 /// Rows in a chunk: of a block 32 KB, enough for the processor to fetch ahead.
@@ -119,20 +119,20 @@ impl BlockMatrix {
 
     /// `self[:, blocks]^T other`: rows are the columns of the blocks.
     pub fn gram(&self, blocks: Range<usize>, other: &Self) -> Mat<f64> {
-        self.products(blocks, other, |_, _| true)
+        self.products(blocks, other, |_| 0..other.blocks.len())
     }
 
     /// The blocks of `self^T self` on and above the diagonal, for the first `blocks` blocks; zeros below.
     pub fn upper_gram(&self, blocks: usize) -> Mat<f64> {
-        self.products(0..blocks, self, |i, j| i <= j && j < blocks)
+        self.products(0..blocks, self, |i| i..blocks)
     }
 
-    /// The blocks of `self[:, blocks]^T other` that are `wanted(i, j)`; zeros elsewhere.
+    /// The blocks (i, j) of `self[:, blocks]^T other` with j among those `wanted(i)`; zeros elsewhere.
     fn products(
         &self,
         blocks: Range<usize>,
         other: &Self,
-        wanted: impl Fn(usize, usize) -> bool + Sync,
+        wanted: impl Fn(usize) -> Range<usize> + Sync,
     ) -> Mat<f64> {
         let left = &self.blocks[blocks];
         let (m, n) = (left.len(), other.blocks.len());
@@ -140,10 +140,11 @@ impl BlockMatrix {
             let mut sums = vec![[Lanes::ZERO; LANES]; m * n];
             for chunk in group * GROUP..((group + 1) * GROUP).min(self.rows.div_ceil(CHUNK)) {
                 let rows = self.rows_of(chunk);
-                for (i, a) in left.iter().enumerate() {
-                    for (j, b) in other.blocks.iter().enumerate().filter(|&(j, _)| wanted(i, j)) {
-                        add_products(&a[rows.clone()], &b[rows.clone()], &mut sums[i * n + j]);
-                    }
+                let right: Vec<&[Lanes]> = other.blocks.iter().map(|b| &b[rows.clone()]).collect();
+                for (i, a) in with_next(left, rows.clone()).enumerate() {
+                    let wanted = wanted(i);
+                    let sums = &mut sums[i * n + wanted.start..i * n + wanted.end];
+                    add_products(a, &right[wanted], sums);
                 }
             }
             sums
@@ -171,8 +172,9 @@ impl BlockMatrix {
         let left = &other.blocks[blocks];
         self.update(left.len(), |rows, targets, sums| {
             combine(left, rows.clone(), &squares, targets);
-            let pairs = left.iter().flat_map(|a| targets.iter().map(move |b| (a, b)));
-            pairs.zip(sums).for_each(|((a, b), sum)| add_products(&a[rows.clone()], b, sum));
+            for (a, sums) in with_next(left, rows).zip(sums.chunks_exact_mut(targets.len())) {
+                add_products(a, targets, sums);
+            }
         })
     }
 

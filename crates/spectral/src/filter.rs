@@ -32,9 +32,9 @@ use crate::{SpectralError, SpectrumParameters};
 const BLOCK: usize = LANES;
 /// About the logarithm of p(0) over the largest |p| above the cut-off: how far the polynomial spreads the
 /// wanted eigenvalues. A larger one needs fewer columns, but more applications of A; the sum of both costs
-/// changes by a few hundredths from 8 to 16. Rounding errors of p(A) are relative to p(0), so a smaller one is
+/// is least from 7 to 9, and some hundredths more at 6 and 12. Rounding errors of p(A) are relative to p(0), so a smaller one is
 /// more exact.
-const GROWTH: f64 = 10.0;
+const GROWTH: f64 = 8.0;
 /// The cut-off is the coarse eigenvalue of this number of times the wanted one.
 const GUARD: f64 = 1.2;
 /// Rows of the coarse operator for each eigenvalue that is asked of it.

@@ -41,12 +41,31 @@ pub(crate) fn total(partials: Vec<Vec<Square>>, m: usize, n: usize) -> Mat<f64> 
     total
 }
 
+/// Asks for a row that will be read soon: by itself the processor fetches too late for kernels as fast as these.
+#[inline(always)]
+fn prefetch(row: &Lanes) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(sse) = pulp::core_arch::x86::Sse::try_new() {
+        sse._mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(std::ptr::from_ref(row).cast());
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = row;
+}
+
+/// Rows of each block, each time with those of the block that follows; nothing follows the last.
+pub(crate) fn with_next<B: AsRef<[Lanes]>>(
+    blocks: &[B],
+    rows: Range<usize>,
+) -> impl Iterator<Item = [&[Lanes]; 2]> {
+    (0..blocks.len()).map(move |at| {
+        [at, at + 1].map(|at| blocks.get(at).map_or(&[][..], |block| &block.as_ref()[rows.clone()]))
+    })
+}
+
 /// `targets += left[rows] coefficients`.
 pub(crate) fn combine(left: &[Block], rows: Range<usize>, squares: &[Square], targets: &mut [&mut [Lanes]]) {
-    for (a, squares) in left.iter().zip(squares.chunks_exact(targets.len())) {
-        for (target, square) in targets.iter_mut().zip(squares) {
-            add_combination(&a[rows.clone()], square, target);
-        }
+    for (a, squares) in with_next(left, rows).zip(squares.chunks_exact(targets.len())) {
+        add_combinations(a, squares, targets);
     }
 }
 
@@ -55,10 +74,9 @@ pub(crate) fn rotate(coefficients: MatRef<'_, f64>, squares: &[Square], blocks: 
     let (m, n) = (coefficients.nrows().div_ceil(LANES), coefficients.ncols().div_ceil(LANES));
     let length = blocks[0].len();
     let mut product = vec![Lanes::ZERO; n * length];
-    for (j, target) in product.chunks_exact_mut(length).enumerate() {
-        for (i, a) in blocks[..m].iter().enumerate() {
-            add_combination(a, &squares[i * n + j], target);
-        }
+    let mut targets: Vec<&mut [Lanes]> = product.chunks_exact_mut(length).collect();
+    for (a, squares) in with_next(&blocks[..m], 0..length).zip(squares.chunks_exact(n)) {
+        add_combinations(a, squares, &mut targets);
     }
     for (block, values) in blocks.iter_mut().zip(product.chunks_exact(length)) {
         block.copy_from_slice(values);
@@ -67,8 +85,10 @@ pub(crate) fn rotate(coefficients: MatRef<'_, f64>, squares: &[Square], blocks: 
 
 /// `sums += blocks^T blocks`.
 pub(crate) fn add_own_products(blocks: &[&mut [Lanes]], sums: &mut [Square]) {
-    let pairs = blocks.iter().flat_map(|a| blocks.iter().map(move |b| (a, b)));
-    pairs.zip(sums).for_each(|((a, b), sum)| add_products(a, b, sum));
+    let rows = 0..blocks.first().map_or(0, |block| block.len());
+    for (a, sums) in with_next(blocks, rows).zip(sums.chunks_exact_mut(blocks.len())) {
+        add_products(a, blocks, sums);
+    }
 }
 
 /// Coefficients as 8 x 8 squares, row by row of squares, filled up with zeros.
@@ -84,68 +104,116 @@ pub(crate) fn squares(coefficients: MatRef<'_, f64>, factor: f64) -> Vec<Square>
     (0..m * n).map(square).collect()
 }
 
-/// `sum += a^T b`.
-pub(crate) fn add_products(a: &[Lanes], b: &[Lanes], sum: &mut Square) {
-    pulp::Arch::new().dispatch(Products { a, b, sum });
+/// `sums[j] += a^T b[j]`; after a comes another block, `next`.
+pub(crate) fn add_products([a, mut next]: [&[Lanes]; 2], b: &[impl AsRef<[Lanes]>], sums: &mut [Square]) {
+    let arch = pulp::Arch::new();
+    for (b, sums) in b.chunks(PAIR).zip(sums.chunks_mut(PAIR)) {
+        match (b, sums) {
+            ([b, c], [sum, other]) => {
+                arch.dispatch(Products { a, next, b: [b.as_ref(), c.as_ref()], sums: [sum, other] })
+            }
+            (b, sums) => b.iter().zip(sums).for_each(|(b, sum)| {
+                arch.dispatch(Products { a, next, b: [b.as_ref()], sums: [sum] });
+            }),
+        }
+        next = &[];
+    }
 }
 
-/// `target += a coefficients`.
-fn add_combination(a: &[Lanes], coefficients: &Square, target: &mut [Lanes]) {
-    pulp::Arch::new().dispatch(Combination { a, coefficients, target });
+/// `targets[j] += a coefficients[j]`; after a comes another block, `next`.
+fn add_combinations([a, mut next]: [&[Lanes]; 2], coefficients: &[Square], targets: &mut [&mut [Lanes]]) {
+    let arch = pulp::Arch::new();
+    for (coefficients, targets) in coefficients.chunks(PAIR).zip(targets.chunks_mut(PAIR)) {
+        match (coefficients, targets) {
+            ([c, d], [target, other]) => {
+                arch.dispatch(Combinations { a, next, coefficients: [c, d], targets: [target, other] })
+            }
+            (coefficients, targets) => coefficients.iter().zip(targets).for_each(|(c, target)| {
+                arch.dispatch(Combinations { a, next, coefficients: [c], targets: [target] });
+            }),
+        }
+        next = &[];
+    }
 }
 
-struct Products<'a> {
+/// Blocks that share what is read of another one. With AVX-512 the sums of a pair fit in the registers, and reading takes no longer than
+/// computing.
+const PAIR: usize = 2;
+
+struct Products<'a, const N: usize> {
     a: &'a [Lanes],
-    b: &'a [Lanes],
-    sum: &'a mut Square,
+    next: &'a [Lanes],
+    b: [&'a [Lanes]; N],
+    sums: [&'a mut Square; N],
 }
 
-impl WithSimd for Products<'_> {
+impl<const N: usize> WithSimd for Products<'_, N> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        let rows = self.b.iter().map(|b| b.len()).fold(self.a.len(), usize::min);
+        let (a, b) = (&self.a[..rows], self.b.map(|b| &b[..rows]));
         for part in 0..LANES / S::F64_LANES {
             let load = |lanes: &Lanes| S::as_simd_f64s(&lanes.0).0[part];
-            let mut sums: [S::f64s; LANES] = std::array::from_fn(|i| load(&self.sum[i]));
-            for (a, b) in self.a.iter().zip(self.b) {
-                let b = load(b);
+            let mut sums: [[S::f64s; LANES]; N] =
+                std::array::from_fn(|j| std::array::from_fn(|i| load(&self.sums[j][i])));
+            for row in 0..rows {
+                if let Some(next) = self.next.get(row) {
+                    prefetch(next);
+                }
+                let b: [S::f64s; N] = std::array::from_fn(|j| load(&b[j][row]));
                 for i in 0..LANES {
-                    sums[i] = simd.mul_add_f64s(simd.splat_f64s(a.0[i]), b, sums[i]);
+                    let a = simd.splat_f64s(a[row].0[i]);
+                    for j in 0..N {
+                        sums[j][i] = simd.mul_add_f64s(a, b[j], sums[j][i]);
+                    }
                 }
             }
-            for (lanes, sum) in self.sum.iter_mut().zip(sums) {
-                S::as_mut_simd_f64s(&mut lanes.0).0[part] = sum;
+            for (square, sums) in self.sums.iter_mut().zip(sums) {
+                for (lanes, sum) in square.iter_mut().zip(sums) {
+                    S::as_mut_simd_f64s(&mut lanes.0).0[part] = sum;
+                }
             }
         }
     }
 }
 
-struct Combination<'a> {
+struct Combinations<'a, const N: usize> {
     a: &'a [Lanes],
-    coefficients: &'a Square,
-    target: &'a mut [Lanes],
+    next: &'a [Lanes],
+    coefficients: [&'a Square; N],
+    targets: [&'a mut [Lanes]; N],
 }
 
-impl WithSimd for Combination<'_> {
+impl<const N: usize> WithSimd for Combinations<'_, N> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
+        let rows = self.targets.iter().map(|target| target.len()).fold(self.a.len(), usize::min);
+        let a = &self.a[..rows];
+        let mut targets = self.targets.map(|target| &mut target[..rows]);
         for part in 0..LANES / S::F64_LANES {
-            let coefficients: [S::f64s; LANES] =
-                std::array::from_fn(|i| S::as_simd_f64s(&self.coefficients[i].0).0[part]);
-            for (a, target) in self.a.iter().zip(self.target.iter_mut()) {
-                let target = &mut S::as_mut_simd_f64s(&mut target.0).0[part];
-                // Two sums, so that one addition need not wait for the other.
-                let mut even = *target;
-                let mut odd = simd.mul_f64s(simd.splat_f64s(a.0[1]), coefficients[1]);
-                even = simd.mul_add_f64s(simd.splat_f64s(a.0[0]), coefficients[0], even);
-                for i in (2..LANES).step_by(2) {
-                    even = simd.mul_add_f64s(simd.splat_f64s(a.0[i]), coefficients[i], even);
-                    odd = simd.mul_add_f64s(simd.splat_f64s(a.0[i + 1]), coefficients[i + 1], odd);
+            let coefficients: [[S::f64s; LANES]; N] = std::array::from_fn(|j| {
+                std::array::from_fn(|i| S::as_simd_f64s(&self.coefficients[j][i].0).0[part])
+            });
+            for row in 0..rows {
+                if let Some(next) = self.next.get(row) {
+                    prefetch(next);
                 }
-                *target = simd.add_f64s(even, odd);
+                let a: [S::f64s; LANES] = std::array::from_fn(|i| simd.splat_f64s(a[row].0[i]));
+                for (target, coefficients) in targets.iter_mut().zip(&coefficients) {
+                    let target = &mut S::as_mut_simd_f64s(&mut target[row].0).0[part];
+                    // Two sums, so that one addition need not wait for the other.
+                    let mut even = simd.mul_add_f64s(a[0], coefficients[0], *target);
+                    let mut odd = simd.mul_f64s(a[1], coefficients[1]);
+                    for i in (2..LANES).step_by(2) {
+                        even = simd.mul_add_f64s(a[i], coefficients[i], even);
+                        odd = simd.mul_add_f64s(a[i + 1], coefficients[i + 1], odd);
+                    }
+                    *target = simd.add_f64s(even, odd);
+                }
             }
         }
     }

@@ -29,7 +29,7 @@ use crate::{
 /// coils, suit the inverse: their eigenvalues are so small that the polynomials would be long, and their factors are
 /// thin.
 ///
-/// Cost of the filter, measured: `9.5 n^(4/3) k^(2/3)` stencil updates of 0.25 to 0.5 ns and `20 n k^2`
+/// Cost of the filter, measured: `8.3 n^(4/3) k^(2/3)` stencil updates of 0.25 to 0.5 ns and `20 n k^2`
 /// flops; memory for about 2.5 k vectors. Of multigrid: 6 to 15 corrections of 1.1 k vectors of 16 ns for each voxel, and
 /// `4 n k^2` flops for every three; memory for 1.1 k vectors and 20 more. `progress` as in [`crate::smallest_eigenpairs`].
 ///
