@@ -41,8 +41,6 @@ const BELOW: f64 = 0.8;
 const COARSEST_ROWS: usize = 60;
 /// How exact the coarsest level's eigenvectors are.
 const COARSEST_TOLERANCE: f64 = 1e-5;
-/// Corrections of each vector on a level between the coarsest and the grid.
-const CORRECTIONS: usize = 2;
 /// The most corrections of the grid's vectors from one look at them to the next.
 const TOGETHER: usize = 3;
 /// The share of an error that a correction leaves, at most: of waves that the first level shows, but poorly.
@@ -113,10 +111,8 @@ pub(crate) fn multigrid_eigenpairs(
     tell(SHARES[0])?;
     for at in (0..hierarchy.levels.len() - 1).rev() {
         subspace.carry_up(at + 1, hierarchy.levels[at].len());
-        for _ in 0..CORRECTIONS {
-            subspace.correct_on_level(at)?;
-            tell(SHARES[0])?;
-        }
+        subspace.correct_on_level(at)?;
+        tell(SHARES[0])?;
     }
     subspace.vectors.blocks_mut().truncate(columns(wanted) / LANES);
     subspace.carry_up(0, n);
