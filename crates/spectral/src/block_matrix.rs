@@ -17,8 +17,8 @@ use crate::kernels::{
 const CHUNK: usize = 512;
 /// Chunks that share a partial sum.
 const GROUP: usize = 16;
-/// Rows that are given back at a time.
-pub(crate) const PIECE: usize = 1 << 18;
+/// Rows that are given back at a time: of a block 64 MB, which an allocator gives back to the system.
+pub(crate) const PIECE: usize = 1 << 20;
 
 /// A matrix of `rows` rows and whole blocks of columns.
 #[derive(Clone, Debug)]
@@ -82,33 +82,30 @@ impl BlockMatrix {
     }
 
     /// Rows of `width` numbers, in another order: `set(matrix, row, i, target)` sets the i-th from the row `source[i]`, which lies at
-    /// `row` of the matrix by then. Large blocks are given back piece by piece as rows are made of them, so that no more is held at a time than
-    /// the matrix and a block, or the rows.
+    /// `row` of that matrix by then. Large matrices are divided into pieces that are given back one by one, so that no more is held at a time
+    /// than the matrix and a block, or the rows and a piece.
     pub fn into_rows(
-        mut self,
+        self,
         source: &[u32],
         width: usize,
         set: impl Fn(&Self, usize, usize, &mut [f64]) + Sync,
     ) -> Vec<f64> {
-        let large = self.rows > PIECE;
-        if large {
-            for block in &mut self.blocks {
-                *block = source.par_iter().map(|&row| block[row as usize]).collect();
+        let mut all = vec![0.0; self.rows * width];
+        if self.rows <= PIECE {
+            let targets = all.par_chunks_exact_mut(width).enumerate().with_min_len(CHUNK);
+            targets.for_each(|(i, target)| set(&self, source[i] as usize, i, target));
+            return all;
+        }
+        let mut pieces: Vec<Self> =
+            source.chunks(PIECE).map(|rows| Self::from_blocks(rows.len(), Vec::new())).collect();
+        for block in self.blocks {
+            for (piece, rows) in pieces.iter_mut().zip(source.chunks(PIECE)) {
+                piece.blocks.push(rows.par_iter().map(|&row| block[row as usize]).collect());
             }
         }
-        let mut all = vec![0.0; self.rows * width];
-        let mut end = self.rows;
-        while end > 0 {
-            let start = end.saturating_sub(PIECE);
-            let targets = all[start * width..end * width].par_chunks_exact_mut(width).with_min_len(CHUNK);
-            targets.zip(start..end).for_each(|(target, i)| {
-                set(&self, if large { i } else { source[i] as usize }, i, target);
-            });
-            for block in &mut self.blocks {
-                block.truncate(start);
-                block.shrink_to_fit();
-            }
-            end = start;
+        for (at, (piece, targets)) in pieces.into_iter().zip(all.chunks_mut(PIECE * width)).enumerate() {
+            let targets = targets.par_chunks_exact_mut(width).enumerate().with_min_len(CHUNK);
+            targets.for_each(|(row, target)| set(&piece, row, at * PIECE + row, target));
         }
         all
     }
@@ -272,6 +269,20 @@ mod tests {
                 assert!((a.at(v, j) - product(0)).abs() < 1e-11);
             }
             assert_eq!((a.at(v, 13), a.at(v, 16)), (0.0, old.at(v, 16)));
+        }
+    }
+
+    #[test]
+    fn rows_in_another_order() {
+        for n in [100, PIECE + 100] {
+            let block = (0..n).map(|row| Lanes(std::array::from_fn(|l| (row * LANES + l) as f64))).collect();
+            let source: Vec<u32> = (0..n as u32).rev().collect();
+            let rows =
+                BlockMatrix::from_blocks(n, vec![block]).into_rows(&source, 3, |matrix, row, i, target| {
+                    target.copy_from_slice(&[i as f64, matrix.at(row, 0), matrix.at(row, 7)]);
+                });
+            let expected = |i: usize| [i, (n - 1 - i) * LANES, (n - 1 - i) * LANES + 7].map(|x| x as f64);
+            assert!(rows.chunks_exact(3).enumerate().all(|(i, row)| row == expected(i)), "{n}");
         }
     }
 }
