@@ -333,21 +333,15 @@ impl<'a> Finest<'a> {
     ) -> Result<(), SpectralError> {
         for (block, values) in vectors.blocks_mut().iter_mut().zip(values.chunks(LANES)).skip(first) {
             tell(SHARES[1])?;
-            temporal_blocking::apply(self.stencil, self.tiling, block, &mut self.work.blocks_mut()[0]);
-            self.applications += LANES;
-            self.correct_from_image(block, values, relaxation, spaces);
+            self.correct(block, values, relaxation, spaces);
         }
         Ok(())
     }
 
-    /// Corrects a block of vectors with these eigenvalues, whose image A x is in `work`.
-    fn correct_from_image(
-        &mut self,
-        block: &mut Block,
-        values: &[f64],
-        relaxation: f64,
-        spaces: &mut [Workspace],
-    ) {
+    /// Corrects a block of vectors with these eigenvalues.
+    fn correct(&mut self, block: &mut Block, values: &[f64], relaxation: f64, spaces: &mut [Workspace]) {
+        temporal_blocking::apply(self.stencil, self.tiling, block, &mut self.work.blocks_mut()[0]);
+        self.applications += LANES;
         let (image, unit) = (&self.work.blocks()[0], self.unit);
         let transfer = &self.cycle.hierarchy.transfers[0];
         transfer.restrict(&mut spaces[0].residual, |row| {
