@@ -42,8 +42,8 @@ pub struct Call {
 #[derive(Default)]
 pub struct Told {
     cancelled: AtomicBool,
-    /// The stage, its share that is done, and that of all.
-    progress: Mutex<Option<(&'static str, f64, f64)>>,
+    /// The stages since it was last taken, in order: of each the latest share that is done, and that of all.
+    progress: Mutex<Vec<(&'static str, f64, f64)>>,
     warnings: Mutex<Vec<String>>,
 }
 
@@ -59,7 +59,11 @@ impl Told {
     }
 
     fn set(&self, stage: &'static str, done: f64, overall: f64) -> ControlFlow<()> {
-        *self.progress.lock().unwrap_or_else(PoisonError::into_inner) = Some((stage, done, overall));
+        let mut told = self.progress.lock().unwrap_or_else(PoisonError::into_inner);
+        match told.last_mut() {
+            Some(last) if last.0 == stage => *last = (stage, done, overall),
+            _ => told.push((stage, done, overall)),
+        }
         self.go_on()
     }
 
@@ -79,8 +83,8 @@ impl Told {
         std::mem::take(&mut self.warnings.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    fn latest(&self) -> Option<(&'static str, f64, f64)> {
-        self.progress.lock().unwrap_or_else(PoisonError::into_inner).take()
+    fn latest(&self) -> Vec<(&'static str, f64, f64)> {
+        std::mem::take(&mut self.progress.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
 
@@ -212,10 +216,13 @@ fn wait<T: Send>(
     }
 }
 
-/// Tells the caller's function how far the work is, if it has gone on.
+/// Tells the caller's function how far the work is, if it has gone on; a stage shorter than [`STEP`] once, too.
 fn tell(py: Python<'_>, call: &Call, told: &Told) -> PyResult<()> {
-    if let (Some(function), Some(progress)) = (&call.progress, told.latest()) {
-        function.call1(py, progress)?;
+    let latest = told.latest();
+    if let Some(function) = &call.progress {
+        for progress in latest {
+            function.call1(py, progress)?;
+        }
     }
     Ok(())
 }
