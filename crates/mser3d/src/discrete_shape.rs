@@ -11,14 +11,12 @@ use crate::bodies::Bodies;
 use crate::progress::{NO_PROGRESS, Progress, ProgressFn, Stage};
 use crate::solid::SolidOfMesh;
 use crate::weld::weld;
-use crate::{Error, Field};
+use crate::{Error, Field, Positions};
 
 /// A shape as heat sees it: the linked voxels of a solid, or the vertices of a surface. Either are its *elements*.
 #[derive(Clone, Debug)]
 pub struct DiscreteShape {
     elements: Elements,
-    /// Where each element is: centres of voxels, positions of vertices.
-    positions: Vec<[f64; 3]>,
     /// The element of each vertex of the mesh: the nearest voxel that it sees from inside, or the vertex that it
     /// was welded to.
     element_of_vertex: Vec<Option<u32>>,
@@ -74,8 +72,7 @@ impl DiscreteShape {
         element_of_vertex: Vec<Option<u32>>,
         mesh: Option<Arc<TriangleMesh>>,
     ) -> Self {
-        let positions = grid.voxels().map(|v| grid.frame().centre(v)).collect();
-        Self { elements: Elements::Voxels { grid, connectivity }, positions, element_of_vertex, mesh }
+        Self { elements: Elements::Voxels { grid, connectivity }, element_of_vertex, mesh }
     }
 
     /// The surface of a mesh, all pieces of it. Vertices at equal positions are one element, numbered by the first of
@@ -89,9 +86,8 @@ impl DiscreteShape {
     }
 
     fn of_surface(mesh: TriangleMesh, element_of_vertex: Vec<Option<u32>>) -> Self {
-        let positions = mesh.vertices().to_vec();
         let edges = mesh.edge_graph();
-        Self { elements: Elements::Vertices { mesh, edges }, positions, element_of_vertex, mesh: None }
+        Self { elements: Elements::Vertices { mesh, edges }, element_of_vertex, mesh: None }
     }
 
     /// Some of the components as a shape on its own; `keep` says which elements.
@@ -199,17 +195,20 @@ impl DiscreteShape {
 
     /// Number of elements.
     pub fn len(&self) -> usize {
-        self.positions.len()
+        self.positions().len()
     }
 
     /// Whether there are no elements.
     pub fn is_empty(&self) -> bool {
-        self.positions.is_empty()
+        self.len() == 0
     }
 
     /// Where each element is: centres of voxels, positions of vertices.
-    pub fn positions(&self) -> &[[f64; 3]] {
-        &self.positions
+    pub fn positions(&self) -> Positions<'_> {
+        match &self.elements {
+            Elements::Voxels { grid, .. } => Positions::of_voxels(grid),
+            Elements::Vertices { mesh, .. } => Positions::of_vertices(mesh.vertices()),
+        }
     }
 
     /// The element that each vertex of the mesh takes its region from: the nearest voxel that it sees from inside (where limbs

@@ -1,3 +1,5 @@
+use std::borrow::Cow;
+
 use mser3d_descriptors::{Descriptors, RegionCosines};
 use mser3d_shape::{Eigenbasis, innermost_regions};
 use mser3d_spectral::SpectrumReport;
@@ -75,6 +77,20 @@ impl Features {
     /// The innermost region of each vertex of the mesh, in file order: the smallest that has it.
     pub fn region_of_vertex(&self) -> Vec<Option<u32>> {
         innermost_regions(self.shape.element_of_vertex().len(), self.regions.iter().map(|r| &r.vertices))
+    }
+
+    /// The volume or area of each element of the shape; 0 of those that are in no body.
+    pub fn measures(&self) -> Cow<'_, [f64]> {
+        match &self.bodies[..] {
+            [all] if all.elements.len() == self.shape.len() => Cow::Borrowed(all.basis.mass()),
+            bodies => {
+                let mut measures = vec![0.0; self.shape.len()];
+                for body in bodies {
+                    body.elements.iter().zip(body.basis.mass()).for_each(|(&e, &m)| measures[e as usize] = m);
+                }
+                Cow::Owned(measures)
+            }
+        }
     }
 
     /// The node of a tree that each element of the shape enters in; none for elements of other bodies.

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::progress::{ProgressFn, Stage, report};
 use crate::weighing::Weighing;
-use crate::{DiscreteShape, Error, Field, Parameters, Weight};
+use crate::{DiscreteShape, Error, Field, Parameters, Positions, Weight};
 
 /// A stable region.
 #[derive(Clone, Debug, PartialEq)]
@@ -204,13 +204,13 @@ pub(crate) fn vertices_in(shape: &DiscreteShape, elements: &[u32]) -> Result<Vec
     Ok((0u32..).zip(shape.element_of_vertex()).filter(taken).map(|(vertex, _)| vertex).collect())
 }
 
-pub(crate) fn centroid(elements: &[u32], positions: &[[f64; 3]], mass: &[f64]) -> [f64; 3] {
+pub(crate) fn centroid(elements: &[u32], positions: Positions, mass: &[f64]) -> [f64; 3] {
     let mut sum = [0.0; 3];
     let mut total = 0.0;
-    for &e in elements {
+    for (&e, position) in elements.iter().zip(positions.of(elements)) {
         let m = mass[e as usize];
         total += m;
-        (0..3).for_each(|a| sum[a] += m * positions[e as usize][a]);
+        (0..3).for_each(|a| sum[a] += m * position[a]);
     }
     sum.map(|s| s / total)
 }

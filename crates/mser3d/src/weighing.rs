@@ -145,7 +145,7 @@ impl<'a> Weighing<'a> {
             (Weight::Diffusion, _) => {
                 let edges = self.edges()?;
                 let mut weights = diffusion_distance(self.basis, t, &edges)?;
-                let positions = self.shape.positions();
+                let positions: Vec<[f64; 3]> = self.shape.positions().iter().collect();
                 for (weight, [u, v]) in weights.iter_mut().zip(&edges) {
                     let length = norm(sub(positions[*u as usize], positions[*v as usize]));
                     *weight = if length > 0.0 { *weight / length } else { 0.0 };

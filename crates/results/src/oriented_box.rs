@@ -1,3 +1,4 @@
+use mser3d::Positions;
 use mser3d::comptree::{Ellipsoid, Moments};
 use mser3d_shape::vector::{add, dot, scale, sub};
 use serde::{Deserialize, Serialize};
@@ -15,23 +16,24 @@ pub struct OrientedBox {
 }
 
 impl OrientedBox {
-    /// The box around elements at `positions`, each with its mass. `half_edges` are half of a voxel's edges: the box holds
+    /// The box around elements, at their places among `positions` and each with its mass. `half_edges` are half of a voxel's edges: the box holds
     /// whole voxels. Of a surface they are none.
     pub(crate) fn around(
         elements: &[u32],
-        positions: &[[f64; 3]],
+        positions: Positions,
         mass: &[f64],
         half_edges: [[f64; 3]; 3],
     ) -> Self {
         let [mut total, mut centroid, mut covariance] = [[0.0; 6]; 3];
-        for &e in elements {
-            let (m, p) = (mass[e as usize], positions[e as usize]);
+        let placed = || elements.iter().zip(positions.of(elements));
+        for (&e, p) in placed() {
+            let m = mass[e as usize];
             total[0] += m;
             (0..3).for_each(|a| centroid[a] += m * p[a]);
         }
         let centroid: [f64; 3] = std::array::from_fn(|a| centroid[a] / total[0]);
-        for &e in elements {
-            let (m, p) = (mass[e as usize], sub(positions[e as usize], centroid));
+        for (&e, position) in placed() {
+            let (m, p) = (mass[e as usize], sub(position, centroid));
             for (place, (a, b)) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].into_iter().enumerate() {
                 covariance[place] += m * p[a] * p[b] / total[0];
             }
@@ -39,8 +41,8 @@ impl OrientedBox {
         let moments = Moments { volume: total[0], centroid, covariance };
         let axes = Ellipsoid::fit(&moments, 3).axes;
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        for &e in elements {
-            let from = sub(positions[e as usize], centroid);
+        for position in positions.of(elements) {
+            let from = sub(position, centroid);
             for a in 0..3 {
                 let along = dot(from, axes[a]);
                 (low[a], high[a]) = (low[a].min(along), high[a].max(along));
@@ -72,7 +74,12 @@ mod tests {
         }
         let elements: Vec<u32> = (0..positions.len() as u32).collect();
         let mass = vec![2.0; positions.len()];
-        let found = OrientedBox::around(&elements, &positions, &mass, steps.map(|step| scale(step, 0.5)));
+        let found = OrientedBox::around(
+            &elements,
+            Positions::of_vertices(&positions),
+            &mass,
+            steps.map(|step| scale(step, 0.5)),
+        );
         let expected = add(add(scale(steps[0], 6.0), scale(steps[1], 3.0)), scale(steps[2], 1.5));
         for a in 0..3 {
             assert!((found.size[a] - [12.0, 6.0, 3.0][a]).abs() < 1e-9, "{found:?}");

@@ -251,10 +251,7 @@ impl Record {
         let grid = features.shape.grid().map(VoxelGrid::frame);
         let half_edges = grid.map_or([[0.0; 3]; 3], |frame| frame.affine().steps().map(|s| scale(s, 0.5)));
         let positions = features.shape.positions();
-        let mut mass = vec![0.0; positions.len()];
-        for body in &features.bodies {
-            body.elements.iter().zip(body.basis.mass()).for_each(|(&e, &m)| mass[e as usize] = m);
-        }
+        let mass = features.measures();
         let bodies: Vec<SearchedBodyRecord> = features.bodies.iter().map(SearchedBodyRecord::new).collect();
         let volume = grid.is_some();
         let regions = (0..).zip(&features.regions).map(|(id, r)| RegionRecord {
@@ -374,7 +371,7 @@ fn tip(features: &Features, region: &Region) -> [f64; 3] {
     };
     let entered = region.elements.iter().filter_map(|&element| altitude(element));
     let first = entered.min_by(|a, b| a.1.total_cmp(&b.1));
-    first.map_or(region.centroid, |(element, _)| features.shape.positions()[element as usize])
+    first.map_or(region.centroid, |(element, _)| features.shape.positions().at(element))
 }
 
 /// JSON has neither infinity nor NaN.

@@ -181,6 +181,35 @@ impl VoxelGrid {
         self.occupancy.ones()
     }
 
+    /// The occupied voxel with a number, which must be below [`len`](Self::len).
+    pub fn voxel(&self, number: u32) -> [u32; 3] {
+        let word = self.word_of(number);
+        let bits = &mut Bits(self.occupancy.words()[word]);
+        let bit = bits.nth((number - self.rank[word]) as usize);
+        self.occupancy.voxel(word, bit.unwrap_or_default())
+    }
+
+    /// The occupied voxels with these numbers, each below [`len`](Self::len). It is fast where they ascend.
+    pub fn voxels_of<'a>(&'a self, numbers: &'a [u32]) -> impl Iterator<Item = [u32; 3]> + 'a {
+        // A word, its bits from the one with a number on, and that number.
+        let (mut word, mut bits, mut next) = (0, Bits(0), 0);
+        numbers.iter().map(move |&number| {
+            if number < next || number - next >= bits.0.count_ones() {
+                word = self.word_of(number);
+                (bits, next) = (Bits(self.occupancy.words()[word]), self.rank[word]);
+            }
+            let bit = bits.nth((number - next) as usize);
+            next = number + 1;
+            self.occupancy.voxel(word, bit.unwrap_or_default())
+        })
+    }
+
+    /// The word that holds the voxel with a number: of words that begin with the same number all but the last are empty.
+    #[inline]
+    fn word_of(&self, number: u32) -> usize {
+        self.rank.partition_point(|&before| before <= number) - 1
+    }
+
     /// The linked pairs of face neighbours along an axis, as voxel numbers, the smaller first,
     /// in ascending order of the first.
     pub fn linked_pairs(&self, axis: usize) -> impl Iterator<Item = [u32; 2]> + '_ {
@@ -381,7 +410,11 @@ mod tests {
         let grid = solid([70, 2, 2]).restrict(|v| v % 3 == 1);
         for (number, voxel) in grid.voxels().enumerate() {
             assert_eq!(grid.index(voxel), Some(number as u32));
+            assert_eq!(grid.voxel(number as u32), voxel);
         }
+        let all: Vec<[u32; 3]> = grid.voxels().collect();
+        let numbers = [0, 1, 2, 40, 41, 45, 90, 91, 3, 2, 2, 60];
+        assert!(grid.voxels_of(&numbers).eq(numbers.iter().map(|&number| all[number as usize])));
         assert_eq!(grid.index([0, 0, 0]), None);
         assert_eq!(grid.index([70, 0, 0]), None);
     }

@@ -49,7 +49,7 @@ fn regions(features: &Features, mesh: &TriangleMesh, swap: &Swap) -> Vec<Vec<[i6
     let grid = features.shape.grid().unwrap();
     let spacing = swap.back(grid.frame().spacing()).map(f64::abs);
     let place = |&e: &u32| -> [i64; 3] {
-        let p = swap.back(features.shape.positions()[e as usize]);
+        let p = swap.back(features.shape.positions().at(e));
         let middle = [0, 1, 2].map(|a| (bounds.min[a] + bounds.max[a]) / 2.0);
         [0, 1, 2].map(|a| (2.0 * (p[a] - middle[a]) / spacing[a]).round() as i64)
     };

@@ -103,10 +103,7 @@ pub fn partition(
     parameters.validate()?;
     let shape = &features.shape;
     let links = Links::of(shape)?;
-    let mut mass = vec![0.0; shape.len()];
-    for body in &features.bodies {
-        body.elements.iter().zip(body.basis.mass()).for_each(|(&e, &m)| mass[e as usize] = m);
-    }
+    let mass = features.measures();
     let mut parts: Vec<Part> = Vec::new();
     for (number, body) in features.bodies.iter().enumerate() {
         let measure = body.measure();

@@ -84,7 +84,7 @@ impl<'a> Original<'a> {
         number: u64,
         progress: ProgressFn,
     ) -> Result<Deformed, Error> {
-        let bounds = BoundingBox::around(shape.positions().iter().copied())
+        let bounds = BoundingBox::around(shape.positions().iter())
             .unwrap_or(BoundingBox { min: [0.0; 3], max: [0.0; 3] });
         let warp = Warp::new(&bounds, amplitude, number);
         match self {
@@ -165,8 +165,9 @@ fn voxels_of(
     let Some(grid) = copy.grid() else { return vec![None; original.len()] };
     let nearest = grid.nearest();
     let reach = REACH * grid.frame().spacing().into_iter().fold(0.0, f64::max);
-    let voxel = |&place: &[f64; 3]| nearest.voxel_within(moved(place), reach).map(|found| found.0);
-    original.positions().par_iter().map(voxel).collect()
+    let voxel = |place: [f64; 3]| nearest.voxel_within(moved(place), reach).map(|found| found.0);
+    let places: Vec<[f64; 3]> = original.positions().iter().collect();
+    places.into_par_iter().map(voxel).collect()
 }
 
 /// The voxel of each vertex of a copy: what the vertex's voxel on the original became. None is far from it.
@@ -174,7 +175,7 @@ fn voxels_of_vertices(original: &DiscreteShape, warp: &Warp, grid: &VoxelGrid) -
     let nearest = grid.nearest();
     let reach = REACH * grid.frame().spacing().into_iter().fold(0.0, f64::max);
     let voxel = |&element: &Option<u32>| {
-        let place = warp.apply(original.positions()[element? as usize]);
+        let place = warp.apply(original.positions().at(element?));
         nearest.voxel_within(place, reach).map(|found| found.0)
     };
     original.element_of_vertex().par_iter().map(voxel).collect()

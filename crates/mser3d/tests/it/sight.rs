@@ -42,7 +42,7 @@ fn a_vertex_belongs_to_the_prong_that_it_is_on() {
             let (shape, _) = DiscreteShape::volume(&mesh, &parameters).unwrap();
             let mut walls = 0;
             for (vertex, element) in mesh.vertices().iter().zip(shape.element_of_vertex()) {
-                let voxel = shape.positions()[element.unwrap() as usize];
+                let voxel = shape.positions().at(element.unwrap());
                 let away = (0..3).map(|a| (voxel[a] - vertex[a]).powi(2)).sum::<f64>().sqrt();
                 assert!(away < 2.0, "{vertex:?} {voxel:?}");
                 if vertex[1] == 12.0 {

@@ -105,7 +105,7 @@ fn a_field_of_vectors_weighs_links_by_their_distance() {
 
     // Two colours: no distance inside of either, one between them.
     let halves = |shape: &DiscreteShape| {
-        let colour = |p: &[f64; 3]| if p[0] < 12.0 { [3.0, 4.0, 0.0] } else { [0.0; 3] };
+        let colour = |p: [f64; 3]| if p[0] < 12.0 { [3.0, 4.0, 0.0] } else { [0.0; 3] };
         Field::vectors(3, shape.positions().iter().flat_map(colour).collect())
     };
     let features = Detector::new(parameters()).with_weight(&halves).detect(Input::Solid(&grid)).unwrap();
@@ -255,7 +255,7 @@ fn heat_smooths_a_field_before_the_tree_is_built() {
     let grid = bar(30, 1.0);
     let shape = DiscreteShape::solid(grid.clone(), Connectivity::Six);
     let noisy = |shape: &DiscreteShape| {
-        let spike = |p: &[f64; 3]| {
+        let spike = |p: [f64; 3]| {
             if (p[0] as u32 + p[1] as u32 + p[2] as u32).is_multiple_of(2) { 9.0 } else { 0.0 }
         };
         Field::scalar(shape.positions().iter().map(|p| hills(p[0]) + spike(p)).collect())
