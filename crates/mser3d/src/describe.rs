@@ -5,9 +5,6 @@ use crate::progress::{NO_PROGRESS, ProgressFn, Stage, report};
 use crate::sides::find_sides;
 use crate::{Descriptor, DiscreteShape, Error, Parameters, Region, Sides};
 
-/// Elements that are described before anyone asks whether to go on: some tens of milliseconds.
-const ELEMENTS: usize = 1 << 14;
-
 /// The descriptors of a body's regions, and their left and right.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -101,24 +98,12 @@ fn means(
     signature: impl Fn(&[u32]) -> Result<Descriptors, DescriptorError>,
 ) -> Result<Descriptors, Error> {
     let told = |done: f64| report(progress, Stage::Descriptors, SIGNED * done);
-    told(0.0)?;
-    let mut stopped = Ok(());
     let members: Vec<&[u32]> = regions.iter().map(|r| &r.elements[..]).collect();
-    let rows = region_descriptors(&members, basis.mass(), |elements| {
-        let first = signature(&elements[..elements.len().min(ELEMENTS)])?;
-        let mut values = first.values().to_vec();
-        for (chunk, part) in elements.chunks(ELEMENTS).enumerate().skip(1) {
-            stopped = told((chunk * ELEMENTS) as f64 / elements.len() as f64);
-            if stopped.is_err() {
-                // With too few rows, nothing is made of them.
-                break;
-            }
-            values.extend_from_slice(signature(part)?.values());
-        }
-        Descriptors::new(first.width(), values)
-    });
-    stopped?;
-    let rows = rows?;
+    let rows = region_descriptors(&members, basis.mass(), |elements| -> Result<_, Error> {
+        let first = elements.first().map_or(0.0, |&first| f64::from(first));
+        told(first / basis.mass().len() as f64)?;
+        Ok(signature(elements)?)
+    })?;
     told(1.0)?;
     Ok(rows)
 }
