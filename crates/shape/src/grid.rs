@@ -1,6 +1,7 @@
 use crate::bits::clear;
 use crate::{BitGrid, Bits, Frame, Graph, ShapeError};
 use std::ops::Range;
+use std::sync::Arc;
 
 crate::choice! {
     /// Which voxels are neighbours.
@@ -35,14 +36,16 @@ pub const DIAGONALS: [[i32; 3]; 10] = [
 /// parts them. Operators, trees and components read the links, never the occupancy alone.
 ///
 /// The occupied voxels are numbered from 0, x fastest, then y, then z.
+///
+/// A clone shares the voxels with what it was cloned from, until one of them changes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VoxelGrid {
     frame: Frame,
-    occupancy: BitGrid,
-    links: [BitGrid; 3],
-    cut_diagonals: Option<Vec<[u32; 2]>>,
+    occupancy: Arc<BitGrid>,
+    links: Arc<[BitGrid; 3]>,
+    cut_diagonals: Option<Arc<Vec<[u32; 2]>>>,
     /// Occupied voxels before each word.
-    rank: Vec<u32>,
+    rank: Arc<Vec<u32>>,
     len: usize,
 }
 
@@ -79,9 +82,10 @@ impl VoxelGrid {
     /// Diagonal links are unknown from then on.
     pub fn with_cut_links(mut self, axis: usize, voxels: &[[u32; 3]]) -> (Self, usize) {
         let mut cut = 0;
+        let links = &mut Arc::make_mut(&mut self.links)[axis];
         for &voxel in voxels {
-            if self.links[axis].get(voxel) {
-                self.links[axis].set(voxel, false);
+            if links.get(voxel) {
+                links.set(voxel, false);
                 cut += 1;
             }
         }
@@ -103,7 +107,7 @@ impl VoxelGrid {
         }
         cut.sort_unstable();
         cut.dedup();
-        self.cut_diagonals = Some(cut);
+        self.cut_diagonals = Some(Arc::new(cut));
         Ok(self)
     }
 
@@ -124,7 +128,9 @@ impl VoxelGrid {
             before += w.count_ones();
             here
         });
-        let rank = rank.collect();
+        let rank = Arc::new(rank.collect());
+        let (occupancy, links, cut_diagonals) =
+            (Arc::new(occupancy), Arc::new(links), cut_diagonals.map(Arc::new));
         Ok(Self { frame, occupancy, links, cut_diagonals, rank, len })
     }
 
@@ -145,7 +151,7 @@ impl VoxelGrid {
 
     /// The pairs of diagonal neighbours that are not linked, ascending; `None` if never determined.
     pub fn cut_diagonals(&self) -> Option<&[[u32; 2]]> {
-        self.cut_diagonals.as_deref()
+        self.cut_diagonals.as_deref().map(Vec::as_slice)
     }
 
     /// Number of occupied voxels.
@@ -233,26 +239,43 @@ impl VoxelGrid {
         if connectivity == Connectivity::Six {
             return Ok(self.graph_of_faces());
         }
-        let cut = self.cut_diagonals.as_deref().ok_or(ShapeError::DiagonalsUnknown)?;
+        let cut = self.cut_diagonals().ok_or(ShapeError::DiagonalsUnknown)?;
         let mut edges: Vec<[u32; 2]> = (0..3).flat_map(|axis| self.linked_pairs(axis)).collect();
         edges.extend(self.diagonal_pairs().filter(|pair| cut.binary_search(pair).is_err()));
         Graph::from_edges(self.len, &edges)
     }
 
-    /// The graph of voxels that are linked through faces. Along each axis both members of the pairs ascend, so that a walk along
-    /// them meets the neighbours of each voxel in turn, and none has to be sorted.
+    /// The graph of voxels that are linked through faces, from the words of bits: what comes before a voxel and after it is met
+    /// in order, so that nothing has to be sorted.
     fn graph_of_faces(&self) -> Graph {
-        let pairs: [Vec<[u32; 2]>; 3] = std::array::from_fn(|axis| self.linked_pairs(axis).collect());
-        let [mut before, mut after] = [0; 2].map(|_| pairs.each_ref().map(|pairs| pairs.iter().peekable()));
+        let (inside, [x, y, z]) = (&self.occupancy, self.links.each_ref().map(BitGrid::words));
+        let (row, slab) = (inside.row_words(), inside.row_words() * inside.dims()[1]);
+        let links: usize = self.links.iter().map(BitGrid::count_ones).sum();
         let mut offsets = Vec::with_capacity(self.len + 1);
         offsets.push(0);
-        let mut neighbours = Vec::with_capacity(2 * pairs.iter().map(Vec::len).sum::<usize>());
-        for voxel in 0..self.len as u32 {
-            let back = before.iter_mut().rev().filter_map(|pairs| pairs.next_if(|pair| pair[1] == voxel));
-            neighbours.extend(back.map(|pair| pair[0]));
-            let forward = after.iter_mut().filter_map(|pairs| pairs.next_if(|pair| pair[0] == voxel));
-            neighbours.extend(forward.map(|pair| pair[1]));
-            offsets.push(neighbours.len());
+        let mut neighbours = Vec::with_capacity(2 * links);
+        for (word, &bits) in inside.words().iter().enumerate().filter(|(_, bits)| **bits != 0) {
+            let at = |word: usize, bit: u32| {
+                self.rank[word] + (inside.words()[word] & ((1 << bit) - 1)).count_ones()
+            };
+            let before = |links: &[u64], stride: usize| if word < stride { 0 } else { links[word - stride] };
+            let (back_y, back_z) = (before(y, row), before(z, slab));
+            let carried = if word.is_multiple_of(row) { 0 } else { x[word - 1] >> 63 };
+            let back_x = x[word] << 1 | carried;
+            for (voxel, bit) in (self.rank[word]..).zip(Bits(bits)) {
+                let mut push = |links: u64, neighbour: &dyn Fn() -> u32| {
+                    if links >> bit & 1 == 1 {
+                        neighbours.push(neighbour());
+                    }
+                };
+                push(back_z, &|| at(word - slab, bit));
+                push(back_y, &|| at(word - row, bit));
+                push(back_x, &|| voxel - 1);
+                push(x[word], &|| voxel + 1);
+                push(y[word], &|| at(word + row, bit));
+                push(z[word], &|| at(word + slab, bit));
+                offsets.push(neighbours.len());
+            }
         }
         Graph::from_rows(offsets, neighbours)
     }
@@ -270,32 +293,35 @@ impl VoxelGrid {
 
     /// The grid without some of its voxels and their links: in each row (k * ny + j), those of some ranges along x.
     /// In place, so that a large grid is there once.
-    pub(crate) fn without<R: Iterator<Item = Range<u32>>>(mut self, dropped: impl Fn(usize) -> R) -> Self {
-        let before = match &self.cut_diagonals {
-            Some(cut) if !cut.is_empty() => Some(self.clone()),
+    pub(crate) fn without<R: Iterator<Item = Range<u32>>>(self, dropped: impl Fn(usize) -> R) -> Self {
+        let before = match self.cut_diagonals() {
+            Some([_, ..]) => Some(self.clone()),
             _ => None,
         };
-        let width = self.occupancy.row_words();
-        for (row, words) in self.occupancy.words_mut().chunks_mut(width.max(1)).enumerate() {
+        let mut occupancy = Arc::unwrap_or_clone(self.occupancy);
+        let width = occupancy.row_words();
+        for (row, words) in occupancy.words_mut().chunks_mut(width.max(1)).enumerate() {
             dropped(row).for_each(|range| clear(words, range));
         }
         if let Some(before) = before {
-            let kept: Vec<bool> = before.voxels().map(|v| self.occupancy.get(v)).collect();
+            let kept: Vec<bool> = before.voxels().map(|v| occupancy.get(v)).collect();
             return before.restrict(|v| kept[v as usize]);
         }
-        for axis in 0..3 {
-            for at in 0..self.rank.len() {
-                self.links[axis].words_mut()[at] &= inner_neighbours_of_word(&self.occupancy, axis, at);
+        let mut links = Arc::unwrap_or_clone(self.links);
+        for (axis, links) in links.iter_mut().enumerate() {
+            for (at, word) in links.words_mut().iter_mut().enumerate() {
+                *word &= inner_neighbours_of_word(&occupancy, axis, at);
             }
         }
-        self.rank = Vec::new();
-        Self::unchecked(self.frame, self.occupancy, self.links, self.cut_diagonals)
-            .expect("fewer voxels than before")
+        let cut = self.cut_diagonals.map(Arc::unwrap_or_clone);
+        drop(self.rank);
+        Self::unchecked(self.frame, occupancy, links, cut).expect("fewer voxels than before")
     }
 
     /// The grid with only the voxels for which `keep` holds, and the links between them.
     pub fn restrict(&self, keep: impl Fn(u32) -> bool) -> Self {
-        let mut grid = self.clone();
+        let (mut occupancy, mut links) =
+            (BitGrid::clone(&self.occupancy), <[BitGrid; 3]>::clone(&self.links));
         let mut renumber = vec![u32::MAX; self.len];
         let (mut old, mut new) = (0u32, 0u32);
         for word in 0..self.rank.len() {
@@ -308,20 +334,19 @@ impl VoxelGrid {
                 }
                 old += 1;
             }
-            grid.occupancy.words_mut()[word] = kept;
+            occupancy.words_mut()[word] = kept;
         }
-        for axis in 0..3 {
-            let allowed = inner_neighbours(&grid.occupancy, axis);
-            for (link, allowed) in grid.links[axis].words_mut().iter_mut().zip(allowed.words()) {
+        for (axis, links) in links.iter_mut().enumerate() {
+            let allowed = inner_neighbours(&occupancy, axis);
+            for (link, allowed) in links.words_mut().iter_mut().zip(allowed.words()) {
                 *link &= allowed;
             }
         }
         let renumbered = |pair: &[u32; 2]| pair.map(|v| renumber[v as usize]);
         let cut = self
-            .cut_diagonals
-            .as_ref()
+            .cut_diagonals()
             .map(|cut| cut.iter().map(renumbered).filter(|pair| !pair.contains(&u32::MAX)).collect());
-        Self::unchecked(grid.frame, grid.occupancy, grid.links, cut).expect("fewer voxels than before")
+        Self::unchecked(self.frame, occupancy, links, cut).expect("fewer voxels than before")
     }
 }
 
