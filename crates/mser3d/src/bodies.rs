@@ -121,17 +121,25 @@ impl Parts {
     /// The elements of each body that is searched on its own, numbered among those that are searched, the largest body
     /// first. One of all elements where nothing parts them.
     pub fn searched(&self) -> Vec<Vec<u32>> {
-        let elements =
-            (0u32..).zip(self.components.labels.iter().filter(|&&label| self.kept[label as usize]));
         // Where all is kept although not all are bodies, only one has a measure.
         if !self.apart || self.keeps_all() && self.is_body.iter().any(|body| !*body) {
-            return vec![elements.map(|(element, _)| element).collect()];
+            let elements: usize = self.of_kept().map(|component| self.components.sizes[component]).sum();
+            return vec![(0..elements as u32).collect()];
         }
         let mut of_component = vec![Vec::new(); self.components.len()];
-        elements.for_each(|(element, &label)| of_component[label as usize].push(element));
-        let mut order: Vec<usize> = (0..self.kept.len()).filter(|&c| self.kept[c]).collect();
+        for component in self.of_kept() {
+            of_component[component].reserve_exact(self.components.sizes[component]);
+        }
+        let labels = self.components.labels.iter().filter(|&&label| self.kept[label as usize]);
+        (0u32..).zip(labels).for_each(|(element, &label)| of_component[label as usize].push(element));
+        let mut order: Vec<usize> = self.of_kept().collect();
         order.sort_by(|&a, &b| self.measures[b].total_cmp(&self.measures[a]));
         order.into_iter().map(|c| std::mem::take(&mut of_component[c])).collect()
+    }
+
+    /// The components that are searched.
+    fn of_kept(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.kept.len()).filter(|&component| self.kept[component])
     }
 
     /// What is left out, if anything is that has a measure.

@@ -153,25 +153,26 @@ impl<'a> Detector<'a> {
         let of_copies = |of: Original| copies as f64 * parameters.seconds_of_copy(&of.input(), shape.len());
         course.expect(Stage::Reliability, original.map_or(0.0, of_copies));
         // A larger body takes longer.
+        let sizes: Vec<usize> = bodies.iter().map(Vec::len).collect();
         let of_bodies = |told: Progress, body: usize| {
-            let elements = |bodies: &[Vec<u32>]| bodies.iter().map(Vec::len).sum::<usize>() as f64;
-            let done = elements(&bodies[..body]) + told.done * elements(&bodies[body..=body]);
-            progress(Progress { done: done / elements(&bodies), ..told })
+            let elements = |bodies: &[usize]| bodies.iter().sum::<usize>() as f64;
+            let done = elements(&sizes[..body]) + told.done * elements(&sizes[body..=body]);
+            progress(Progress { done: done / elements(&sizes), ..told })
         };
 
-        let mut searched = Vec::with_capacity(bodies.len());
-        for (body, elements) in bodies.iter().enumerate() {
+        let mut searched = Vec::with_capacity(sizes.len());
+        for (body, elements) in bodies.into_iter().enumerate() {
             let progress = |told| of_bodies(told, body);
             let wanted = spectrum_of_body(&parameters.spectrum, body);
             let Spectrum { basis, report, .. } = spectra(part(body), &wanted, &progress)?;
             let (available, residual) = (basis.eigenvalues().len(), report.residual);
             tracing::info!(body, eigenpairs = available, solver = %report.solver, residual, "solved");
             let sidedness = Sidedness::default();
-            searched.push(Body { elements: elements.clone(), basis, spectrum: report, sidedness });
+            searched.push(Body { elements, basis, spectrum: report, sidedness });
         }
         course.end(Stage::Spectrum)?;
         let seconds = clock.lap(Stage::Spectrum);
-        tracing::info!(bodies = bodies.len(), seconds, "solved all");
+        tracing::info!(bodies = searched.len(), seconds, "solved all");
         self.warn_of_spectra(&searched, &mut warnings);
 
         let field = match (parameters.weight, field) {
@@ -182,7 +183,7 @@ impl<'a> Detector<'a> {
         if let Some(field) = &field {
             field.expect("voxels or vertices in the shape", shape.len())?;
         }
-        let mut sets = Vec::with_capacity(bodies.len());
+        let mut sets = Vec::with_capacity(searched.len());
         for (number, body) in searched.iter().enumerate() {
             let progress = |told| of_bodies(told, number);
             let own = field.as_ref().map(|field| field.of(&body.elements));
@@ -202,7 +203,7 @@ impl<'a> Detector<'a> {
             warnings.push(Warning::Unmeasured { of_field: parameters.weight == Weight::Field });
         }
 
-        let mut found = Vec::with_capacity(bodies.len());
+        let mut found = Vec::with_capacity(searched.len());
         for (number, (mut set, body)) in sets.into_iter().zip(&mut searched).enumerate() {
             let progress = |told| of_bodies(told, number);
             let Described { descriptors, sides } =
@@ -214,7 +215,7 @@ impl<'a> Detector<'a> {
             found.push(FoundOnBody { set, descriptors, cosines: sides.cosines });
         }
         let Found { regions, descriptors, cosines, trees, duplicates } =
-            Found::on_all(&shape, &bodies, found)?;
+            Found::on_all(&shape, &searched, found)?;
         course.end(Stage::Descriptors)?;
         let seconds = clock.lap(Stage::Descriptors);
         tracing::info!(regions = regions.len(), seconds, "described regions");

@@ -139,16 +139,12 @@ pub(crate) struct Found {
 
 impl Found {
     /// What was found on all bodies; elements are numbered as in the shape, regions go by descending volume.
-    pub fn on_all(
-        shape: &DiscreteShape,
-        bodies: &[Vec<u32>],
-        found: Vec<FoundOnBody>,
-    ) -> Result<Self, Error> {
+    pub fn on_all(shape: &DiscreteShape, bodies: &[Body], found: Vec<FoundOnBody>) -> Result<Self, Error> {
         let width = found.first().map_or(1, |first| first.descriptors.width());
         let (mut trees, mut duplicates) = (Vec::new(), 0);
         let mut rows: Vec<(Region, Vec<f64>)> = Vec::new();
         let (mut first_regions, mut of_bodies) = (Vec::new(), Vec::new());
-        for (body, (elements, FoundOnBody { set, descriptors, cosines })) in
+        for (body, (Body { elements, .. }, FoundOnBody { set, descriptors, cosines })) in
             bodies.iter().zip(found).enumerate()
         {
             let (first_tree, first_region) = (trees.len(), rows.len());
