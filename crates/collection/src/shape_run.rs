@@ -130,7 +130,7 @@ impl ShapeRun<'_> {
             }
             let features = features?;
             let results = Results::of_file(&features, &file)?.with_extras(&features, self.extras);
-            ResultsFolder::create(partial.path())?.write(&results, self.extras)?;
+            ResultsFolder::create(partial.path())?.write_found(&results, &features, self.extras)?;
             drop(share);
             Ok(())
         });

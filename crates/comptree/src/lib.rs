@@ -96,12 +96,12 @@ pub use msv::{Contrast, MsvParameters, maximally_stable_volumes};
 #[cfg(feature = "petgraph")]
 pub use petgraph;
 pub use polarity::Polarity;
-pub use pool::{PoolParameters, PooledRegion, pool};
+pub use pool::{PoolParameters, PooledRegion, TreeRegions, pool};
 pub use stability::{
     AltitudeScale, Merge, Selection, SelectionReport, StabilityParameters, StabilityRule, StableRegion,
     stability, stable_regions,
 };
-pub use tree::{ComponentTree, Siblings};
+pub use tree::{ComponentTree, NodeLists, Siblings};
 pub use volumes::Volumes;
 
 #[cfg(doctest)]

@@ -1,7 +1,10 @@
 //! Regions of several time scales as one set: not in the paper.
+use std::borrow::Cow;
+use std::ops::Range;
+
 use mser3d_shape::{IndexSet, InvalidParameter};
 
-use crate::{ComponentTree, Selection, TreeError, Volumes};
+use crate::{ComponentTree, Selection, StableRegion, TreeError, Volumes};
 
 /// How regions of several trees become one set.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,6 +50,32 @@ pub struct PooledRegion {
     pub vertices: Vec<u32>,
 }
 
+/// The regions of a tree and their vertices: what pooling reads of it.
+#[derive(Clone, Debug)]
+pub struct TreeRegions<'t> {
+    permutation: Cow<'t, [u32]>,
+    /// The slice of the permutation that each region is, and how many times larger its merge is.
+    regions: Vec<(Range<usize>, f64)>,
+}
+
+impl<'t> TreeRegions<'t> {
+    /// Those of a tree that stays.
+    pub fn of(tree: &'t ComponentTree, selection: &Selection) -> Self {
+        Self { permutation: Cow::Borrowed(tree.permutation()), regions: slices(tree, selection) }
+    }
+
+    /// Those of a tree of which nothing else is needed, 4 bytes for each of its vertices.
+    pub fn taken_from(tree: ComponentTree, selection: &Selection) -> Self {
+        let regions = slices(&tree, selection);
+        Self { permutation: Cow::Owned(tree.into_permutation()), regions }
+    }
+}
+
+fn slices(tree: &ComponentTree, selection: &Selection) -> Vec<(Range<usize>, f64)> {
+    let growth = |region: &StableRegion| region.merge.map_or(1.0, |merge| merge.growth);
+    selection.regions.iter().map(|region| (tree.slice(region.node), growth(region))).collect()
+}
+
 /// Pools the regions of several trees on the same vertices, one tree for each time scale, and drops
 /// duplicates.
 ///
@@ -68,26 +97,25 @@ pub struct PooledRegion {
 /// [`TreeError::InvalidParameter`] from [`PoolParameters::validate`]; [`TreeError::SizeMismatch`] when the
 /// trees or volumes differ in the number of vertices; [`TreeError::BadVolume`].
 pub fn pool<'v>(
-    trees: &[(&ComponentTree, &Selection)],
+    trees: &[TreeRegions],
     volumes: impl Into<Volumes<'v>>,
     parameters: &PoolParameters,
 ) -> Result<Vec<PooledRegion>, TreeError> {
     parameters.validate()?;
     let volumes = volumes.into();
-    let n = trees.first().map_or(0, |(tree, _)| tree.vertex_count());
-    if let Some((tree, _)) = trees.iter().find(|(tree, _)| tree.vertex_count() != n) {
-        let (found, expected) = (tree.vertex_count(), n);
+    let n = trees.first().map_or(0, |tree| tree.permutation.len());
+    if let Some(tree) = trees.iter().find(|tree| tree.permutation.len() != n) {
+        let (found, expected) = (tree.permutation.len(), n);
         return Err(TreeError::SizeMismatch { what: "vertices of a tree to pool", found, expected });
     }
     if n > 0 {
         volumes.check(n)?;
     }
     let mut candidates = Vec::new();
-    for (number, (tree, selection)) in trees.iter().enumerate() {
-        candidates.extend(selection.regions.iter().enumerate().map(|(place, region)| {
-            let vertices = tree.vertices(region.node);
+    for (number, tree) in trees.iter().enumerate() {
+        candidates.extend(tree.regions.iter().enumerate().map(|(place, (slice, growth))| {
+            let (vertices, growth) = (&tree.permutation[slice.clone()], *growth);
             let volume: f64 = vertices.iter().map(|&v| volumes.of(v)).sum();
-            let growth = region.merge.map_or(1.0, |merge| merge.growth);
             Candidate { tree: number, region: place, vertices, volume, growth }
         }));
     }

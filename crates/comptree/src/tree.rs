@@ -48,6 +48,19 @@ pub(crate) enum NodeVolumes {
     Each(Vec<f64>),
 }
 
+/// A tree as plain lists, for files and other programs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NodeLists {
+    /// The parent of each node; `u32::MAX` for a root.
+    pub parents: Vec<u32>,
+    /// The altitude of each node.
+    pub altitudes: Vec<f64>,
+    /// The volume of each node.
+    pub volumes: Vec<f64>,
+    /// The smallest node that contains each vertex.
+    pub node_of: Vec<u32>,
+}
+
 /// What a builder hands over: nodes in postorder.
 pub(crate) struct Nodes {
     pub parents: Vec<u32>,
@@ -196,6 +209,44 @@ impl ComponentTree {
         &self.vertices
     }
 
+    /// The same without the rest of the tree.
+    pub fn into_permutation(self) -> Vec<u32> {
+        self.vertices
+    }
+
+    /// The tree as plain lists.
+    pub fn into_lists(mut self) -> NodeLists {
+        self.nodes_of_vertices();
+        let node_of = self.node_of.take().unwrap_or_default();
+        let volumes = match std::mem::replace(&mut self.volumes, NodeVolumes::Uniform(0.0)) {
+            NodeVolumes::Each(volumes) => volumes,
+            uniform @ NodeVolumes::Uniform(_) => {
+                self.volumes = uniform;
+                (0..self.len() as u32).map(|node| self.volume(node)).collect()
+            }
+        };
+        NodeLists { parents: self.parents, altitudes: self.altitudes, volumes, node_of }
+    }
+
+    /// The vertex of a node that enters first, of several the smallest.
+    ///
+    /// ```
+    /// # use mser3d_comptree::{ComponentTree, Polarity};
+    /// let path = [[0, 1], [1, 2], [2, 3]];
+    /// let tree = ComponentTree::from_vertex_weights(&path, &[5.0, 1.0, 3.0, 1.0], 1.0, Polarity::Sublevel)?;
+    /// assert_eq!(tree.first_vertex(tree.node_of(0)), 1);
+    /// # Ok::<(), mser3d_comptree::TreeError>(())
+    /// ```
+    pub fn first_vertex(&self, node: u32) -> u32 {
+        let entered = self.descendants(node).filter_map(|below| {
+            let first = *self.own_vertices(below).first()?;
+            Some((self.polarity.orient(self.altitude(below)), first))
+        });
+        let first = entered.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        // Each node has a vertex, be it a descendant's.
+        first.map_or(NONE, |(_, vertex)| vertex)
+    }
+
     /// The smallest node that contains a vertex.
     #[inline]
     pub fn node_of(&self, vertex: u32) -> u32 {
@@ -242,8 +293,9 @@ impl ComponentTree {
         values
     }
 
+    /// Where the vertices of a node are in the [permutation](Self::permutation).
     #[inline]
-    fn slice(&self, node: u32) -> Range<usize> {
+    pub fn slice(&self, node: u32) -> Range<usize> {
         let first = self.first_descendants()[node as usize];
         self.start(first)..self.end(node)
     }

@@ -27,7 +27,11 @@ impl TimeScale {
     /// # Errors
     /// [`DescriptorError::InvalidParameter`] unless the time is positive and finite.
     pub fn on<'a>(self, basis: impl Into<EigenbasisView<'a>>) -> Result<f64, DescriptorError> {
-        self.with_unit(basis.into().unit_time())
+        match self {
+            Self::Relative(_) => self.with_unit(basis.into().unit_time()),
+            // It takes a look at all vertices to know the unit.
+            Self::Absolute(_) => self.with_unit(1.0),
+        }
     }
 
     /// The time in length^2 when one relative unit is `unit_time`.

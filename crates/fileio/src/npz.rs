@@ -12,21 +12,75 @@ use zip::write::SimpleFileOptions;
 /// # Errors
 /// [`FileError::Write`], also for a name given twice.
 pub fn write_npz(path: &Path, arrays: &[(impl AsRef<str>, NpyArray)]) -> Result<(), FileError> {
-    write_atomically(path, |out| write(out, arrays))
+    write_npz_by(path, |npz| arrays.iter().try_for_each(|(name, array)| npz.add(name.as_ref(), array)))
 }
 
-fn write(out: impl Write + Seek, arrays: &[(impl AsRef<str>, NpyArray)]) -> io::Result<()> {
+/// As [`write_npz`], of arrays that are made one after the other, so that they need not all be there at once.
+///
+/// ```
+/// use mser3d_fileio::{FileError, NpyArray, read_npz, write_npz_by};
+/// # let folder = std::env::temp_dir().join(format!("mser3d-npz-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder)?;
+/// let path = folder.join("squares.npz");
+/// write_npz_by(&path, |npz| {
+///     (0..3u32).try_for_each(|n| npz.add(&format!("{n}"), &NpyArray::flat(vec![n * n])))
+/// })?;
+/// assert_eq!(read_npz(&path)?["2"], NpyArray::flat(vec![4u32]));
+/// # std::fs::remove_dir_all(&folder)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`FileError::Write`], and those of `write`, after which there is no file.
+pub fn write_npz_by<E: From<FileError>>(
+    path: &Path,
+    write: impl FnOnce(&mut NpzWriter) -> Result<(), E>,
+) -> Result<(), E> {
+    let mut failed = None;
+    let written = write_atomically(path, |out| {
+        archive(out, |add| {
+            let mut npz = NpzWriter { path, add };
+            write(&mut npz).map_err(|error| {
+                failed = Some(error);
+                io::Error::other("not all arrays were made")
+            })
+        })
+    });
+    failed.map_or(written.map_err(E::from), Err)
+}
+
+/// Takes the arrays of a file.
+pub struct NpzWriter<'a> {
+    path: &'a Path,
+    add: &'a mut dyn FnMut(&str, &NpyArray) -> io::Result<()>,
+}
+
+impl NpzWriter<'_> {
+    /// Writes an array.
+    ///
+    /// # Errors
+    /// [`FileError::Write`], also for a name given twice.
+    pub fn add(&mut self, name: &str, array: &NpyArray) -> Result<(), FileError> {
+        let fail = |source| FileError::Write { path: self.path.to_path_buf(), source };
+        (self.add)(name, array).map_err(fail)
+    }
+}
+
+fn archive(
+    out: impl Write + Seek,
+    write: impl FnOnce(&mut dyn FnMut(&str, &NpyArray) -> io::Result<()>) -> io::Result<()>,
+) -> io::Result<()> {
     let mut target = Target { out, fault: None, position: 0, length: 0 };
     let mut archive = zip::ZipWriter::new(&mut target);
-    for (name, array) in arrays {
+    write(&mut |name, array| {
         let options = SimpleFileOptions::DEFAULT
             .compression_method(zip::CompressionMethod::Stored)
             .last_modified_time(zip::DateTime::DEFAULT)
             .unix_permissions(0o644)
             .large_file(array.byte_len() > u64::from(u32::MAX));
-        archive.start_file(format!("{}.npy", name.as_ref()), options)?;
-        array.write(&mut archive)?;
-    }
+        archive.start_file(format!("{name}.npy"), options)?;
+        array.write(&mut archive)
+    })?;
     archive.finish()?;
     target.fault.map_or(Ok(()), Err)
 }
@@ -172,10 +226,13 @@ mod tests {
         }
         let arrays = [("a", NpyArray::flat(vec![1u8; 300])), ("b", NpyArray::flat(vec![2u8; 300]))];
         let mut whole = Disk(Cursor::default(), usize::MAX);
-        write(&mut whole, &arrays).unwrap();
+        let write = |disk: &mut Disk| {
+            archive(disk, |add| arrays.iter().try_for_each(|(name, array)| add(name, array)))
+        };
+        write(&mut whole).unwrap();
         for room in 0..whole.0.get_ref().len() {
             let mut disk = Disk(Cursor::default(), room);
-            assert_eq!(write(&mut disk, &arrays).unwrap_err().kind(), io::ErrorKind::StorageFull, "{room}");
+            assert_eq!(write(&mut disk).unwrap_err().kind(), io::ErrorKind::StorageFull, "{room}");
         }
     }
 

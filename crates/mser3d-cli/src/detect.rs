@@ -169,7 +169,7 @@ pub(crate) fn run(args: &DetectArgs) -> Result<(), CliError> {
     let found = rayon::scope(|_| args.find(&file, field.as_ref(), &args.write, &report, &warn));
     meter.finish();
     let (features, results) = found?;
-    folder.write(&results, &args.write)?;
+    folder.write_found(&results, &features, &args.write)?;
     tracing::info!(folder = %output.display(), "wrote");
     if !args.run.quiet {
         let warn = |what: &String| tell(&format!("warning: {}: {what}", file.path.display()));

@@ -63,9 +63,9 @@ fn find(
     told: &Told,
 ) -> Result<Found, CliError> {
     args.check(file)?;
-    let (_, results) =
+    let (features, results) =
         args.find(file, field, &[Extra::Eigenfunctions], &|p| told.report(p), &|what| told.warn(what))?;
-    Ok(Found::new(results, told.warnings()))
+    Ok(Found::new(results.with_trees(&features)?, told.warnings()))
 }
 
 fn refuse_all_labels(args: &DetectArgs) -> PyResult<()> {

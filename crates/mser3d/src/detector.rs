@@ -241,6 +241,7 @@ impl<'a> Detector<'a> {
             partition: None,
             warnings,
             run: clock.report(),
+            parts,
         };
         if let Some(wanted) = &parameters.parts {
             report(&progress, Stage::Parts, 0.0)?;

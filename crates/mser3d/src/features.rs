@@ -1,11 +1,12 @@
 use std::borrow::Cow;
 
+use mser3d_comptree::ComponentTree;
 use mser3d_descriptors::{Descriptors, RegionCosines};
 use mser3d_shape::{Eigenbasis, innermost_regions};
 use mser3d_spectral::SpectrumReport;
 use mser3d_voxelize::Voxelization;
 
-use crate::regions::vertices_in;
+use crate::regions::{tree_at, vertices_in};
 use crate::{
     DiscreteShape, Error, Parameters, Partition, Region, RegionSet, RunReport, Sidedness, Tree, Warning,
 };
@@ -39,6 +40,8 @@ pub struct Features {
     pub warnings: Vec<Warning>,
     /// What the run took.
     pub run: RunReport,
+    /// Each body as a shape of its own, if there are several.
+    pub(crate) parts: Vec<DiscreteShape>,
 }
 
 /// A body that was searched on its own.
@@ -93,13 +96,20 @@ impl Features {
         }
     }
 
-    /// The node of a tree that each element of the shape enters in; none for elements of other bodies.
-    pub fn nodes_of_elements(&self, tree: &Tree) -> Vec<Option<u32>> {
-        let mut nodes = vec![None; self.shape.len()];
-        for (&element, &node) in self.bodies[tree.body].elements.iter().zip(tree.tree.nodes_of_vertices()) {
-            nodes[element as usize] = Some(node);
+    /// One of the component trees, by its place in [`trees`](Self::trees). Those of a large shape are not kept, and made anew by this.
+    ///
+    /// # Errors
+    /// As for [`find_regions`](crate::find_regions), which made the same tree before.
+    pub fn tree(&self, number: usize) -> Result<Cow<'_, ComponentTree>, Error> {
+        let tree = &self.trees[number];
+        match &tree.tree {
+            Some(kept) => Ok(Cow::Borrowed(kept)),
+            None => {
+                let shape = self.parts.get(tree.body).unwrap_or(&self.shape);
+                let basis = &self.bodies[tree.body].basis;
+                Ok(Cow::Owned(tree_at(shape, basis, &self.parameters, tree.time)?))
+            }
         }
-        nodes
     }
 
     /// The places of the regions in [`regions`](Self::regions), the most reliable first. Where reliability was not
@@ -155,6 +165,7 @@ impl Found {
                 region.twin = region.twin.map(|twin| twin + first_region);
                 if bodies.len() > 1 {
                     region.elements.iter_mut().for_each(|e| *e = elements[*e as usize]);
+                    region.tip = elements[region.tip as usize];
                     region.vertices = vertices_in(shape, &region.elements)?;
                 }
                 rows.push((region, row.to_vec()));

@@ -1,13 +1,13 @@
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use mser3d_comptree::{ComponentTree, Merge, Selection, pool};
+use mser3d_comptree::{ComponentTree, Merge, Polarity, Selection, TreeRegions, pool};
 use mser3d_descriptors::TimeScale;
 use mser3d_shape::{Eigenbasis, IndexSet};
 use rayon::prelude::*;
 
 use crate::progress::{ProgressFn, Stage, report};
-use crate::weighing::Weighing;
+use crate::weighing::{Weighing, stable_regions_in};
 use crate::{DiscreteShape, Error, Field, Parameters, Positions, Weight};
 
 /// A stable region.
@@ -52,6 +52,8 @@ pub struct Region {
     pub vertices: Vec<u32>,
     /// Centre of mass.
     pub centroid: [f64; 3],
+    /// Where it begins: its element with the extreme weight, the one that enters its tree first, of several the first.
+    pub tip: u32,
 }
 
 /// A component tree and what was selected from it.
@@ -65,8 +67,11 @@ pub struct Tree {
     pub time_scale: Option<TimeScale>,
     /// The time in length^2; none for a weight without time.
     pub time: Option<f64>,
-    /// The tree.
-    pub tree: ComponentTree,
+    /// Which way the level moves.
+    pub polarity: Polarity,
+    /// The tree. None where the shape has more than a million elements and the tree can be made anew, which
+    /// [`Features::tree`](crate::Features::tree) does.
+    pub tree: Option<ComponentTree>,
     /// Its stable regions, and what each filter cut.
     pub selection: Selection,
 }
@@ -134,8 +139,7 @@ pub(crate) fn find_regions_with(
         vec![None]
     };
     let measure = basis.measure();
-    let reference = parameters.reference_measure.unwrap_or(measure);
-    let unit_time = reference.powf(2.0 / f64::from(basis.domain().dimension()));
+    let unit_time = unit_time(basis, parameters);
     let weighing = Weighing::new(shape, basis, field, parameters, unit_time)?;
     let done = Mutex::new(0.0);
     // Locked while it is told, so that progress only rises.
@@ -155,20 +159,40 @@ pub(crate) fn find_regions_with(
         let values = weighing.at(numbers[place], prepared)?;
         let weighed = start.elapsed();
         told(WEIGHED)?;
-        let tree = values.tree(&weighing)?;
+        let (tree, unit) = values.into_tree(&weighing)?;
         told(BUILT)?;
-        let selection = values.stable_regions(&tree, &parameters.stability)?;
+        let selection = stable_regions_in(&tree, unit, &parameters.stability)?;
         let searched = start.elapsed() - weighed;
         let report = &selection.report;
         let (nodes, candidates, kept) = (report.nodes, report.candidates, report.kept);
         tracing::debug!(time, nodes, candidates, kept, ?weighed, ?searched, "component tree");
         told(1.0 - WEIGHED - BUILT)?;
-        Ok(Tree { body: 0, time_scale, time, tree, selection })
+        let tips: Vec<u32> = selection.regions.iter().map(|region| tree.first_vertex(region.node)).collect();
+        let polarity = tree.polarity();
+        let (tree, regions) = match weighing.keeps() {
+            true => (Some(tree), None),
+            false => (None, Some(TreeRegions::taken_from(tree, &selection))),
+        };
+        Ok((Tree { body: 0, time_scale, time, polarity, tree, selection }, regions, tips))
     };
-    let trees = prepared.into_par_iter().enumerate().map(search).collect::<Result<Vec<_>, Error>>()?;
-    let selections: Vec<(&ComponentTree, &Selection)> =
-        trees.iter().map(|t| (&t.tree, &t.selection)).collect();
-    let pooled = pool(&selections, basis.mass(), &parameters.pool)?;
+    let at_a_time = if weighing.keeps() { 1 } else { prepared.len() };
+    let searched: Vec<(Tree, Option<TreeRegions>, Vec<u32>)> = prepared
+        .into_par_iter()
+        .enumerate()
+        .with_min_len(at_a_time)
+        .map(search)
+        .collect::<Result<_, Error>>()?;
+    let (mut trees, mut taken, mut tips) = (Vec::new(), Vec::new(), Vec::new());
+    for (tree, regions, tips_of_tree) in searched {
+        trees.push(tree);
+        taken.push(regions);
+        tips.push(tips_of_tree);
+    }
+    let kept = trees.iter().map(|tree| Some(TreeRegions::of(tree.tree.as_ref()?, &tree.selection)));
+    let selected: Vec<TreeRegions> =
+        taken.into_iter().zip(kept).filter_map(|(taken, kept)| taken.or(kept)).collect();
+    let pooled = pool(&selected, basis.mass(), &parameters.pool)?;
+    drop(selected);
     let found: usize = trees.iter().map(|t| t.selection.regions.len()).sum();
     let duplicates = found - pooled.len();
     let regions = pooled
@@ -191,10 +215,28 @@ pub(crate) fn find_regions_with(
                 vertices: vertices_in(shape, &region.vertices)?,
                 centroid: centroid(&region.vertices, shape.positions(), basis.mass()),
                 elements: region.vertices,
+                tip: tips[region.tree][region.region],
             })
         })
         .collect::<Result<_, Error>>()?;
     Ok(RegionSet { regions, trees, duplicates })
+}
+
+/// The component tree at a time, made anew.
+pub(crate) fn tree_at(
+    shape: &DiscreteShape,
+    basis: &Eigenbasis,
+    parameters: &Parameters,
+    time: Option<f64>,
+) -> Result<ComponentTree, Error> {
+    let weighing = Weighing::new(shape, basis, None, parameters, unit_time(basis, parameters))?;
+    Ok(weighing.at(time.unwrap_or_default(), None)?.into_tree(&weighing)?.0)
+}
+
+/// The time that relative times are multiples of, in length^2.
+fn unit_time(basis: &Eigenbasis, parameters: &Parameters) -> f64 {
+    let reference = parameters.reference_measure.unwrap_or(basis.measure());
+    reference.powf(2.0 / f64::from(basis.domain().dimension()))
 }
 
 /// The mesh's vertices that take their region from these elements, ascending.

@@ -18,6 +18,10 @@ use crate::{DiscreteShape, Elements, Error, Field, Parameters, Weight};
 /// and its voxels' weights lie 1e-4 apart.
 const ROUNDING: f64 = 1e-9;
 
+/// The most elements of a shape of which what can be made anew is kept: its links, the weights at all times, its trees. Of a larger
+/// one they would take more memory than all else.
+const KEPT: usize = 1 << 20;
+
 /// How a shape, or a body of it, is weighed.
 pub(crate) struct Weighing<'a> {
     shape: &'a DiscreteShape,
@@ -70,7 +74,9 @@ impl<'a> Weighing<'a> {
         // Of 26 neighbours they would take more memory than all else.
         let links = match shape.elements() {
             Elements::Voxels { grid, connectivity: Connectivity::Six }
-                if parameters.weight == Weight::Heat && parameters.time_scales.len() > 1 =>
+                if parameters.weight == Weight::Heat
+                    && parameters.time_scales.len() > 1
+                    && shape.len() <= KEPT =>
             {
                 Some(grid.graph(Connectivity::Six)?)
             }
@@ -86,6 +92,12 @@ impl<'a> Weighing<'a> {
         Ok(weighing)
     }
 
+    /// Whether what is made of the weights at each time is kept: where it is not, one time comes after the other. What is made of
+    /// other things than the eigenpairs cannot be made anew.
+    pub fn keeps(&self) -> bool {
+        self.shape.len() <= KEPT || !self.parameters.weight.has_time_scale()
+    }
+
     /// A function of the elements after heat has smoothed it, if it is to.
     fn smoothed(&self, values: Vec<f64>) -> Result<Vec<f64>, Error> {
         match &self.smoothing {
@@ -97,7 +109,9 @@ impl<'a> Weighing<'a> {
     /// What the weights at each of some times can be made of with one look at the eigenfunctions; nothing for most weights.
     pub fn prepared(&self, times: &[f64]) -> Result<Vec<Option<Vec<f64>>>, Error> {
         Ok(match self.parameters.weight {
-            Weight::Heat => auto_diffusivities(self.basis, times)?.into_iter().map(Some).collect(),
+            Weight::Heat if self.keeps() => {
+                auto_diffusivities(self.basis, times)?.into_iter().map(Some).collect()
+            }
             _ => vec![None; times.len()],
         })
     }
@@ -203,10 +217,10 @@ impl Values {
 }
 
 impl Weights {
-    /// The component tree over them.
-    pub fn tree(&self, of: &Weighing) -> Result<ComponentTree, Error> {
+    /// The component tree over them, and the unit of its altitudes on a linear scale.
+    pub fn into_tree(self, of: &Weighing) -> Result<(ComponentTree, Option<f64>), Error> {
         let (volumes, polarity) = (of.basis.mass(), of.polarity);
-        Ok(match (&self.values, of.shape.elements()) {
+        let tree = match (&self.values, of.shape.elements()) {
             (Values::Edges(edges, weights), _) => {
                 ComponentTree::from_edge_weights(of.shape.len(), edges, weights, volumes, polarity)?
             }
@@ -217,18 +231,19 @@ impl Weights {
             (Values::Elements(values), Elements::Vertices { edges, .. }) => {
                 ComponentTree::from_graph(edges, values, volumes, polarity)?
             }
-        })
+        };
+        Ok((tree, self.unit))
     }
+}
 
-    /// The stable regions of that tree.
-    pub fn stable_regions(
-        &self,
-        tree: &ComponentTree,
-        parameters: &StabilityParameters,
-    ) -> Result<Selection, Error> {
-        let Some(unit) = self.unit else { return Ok(stable_regions(tree, parameters)?) };
-        let mut selection = stable_regions(&tree.scaled(1.0 / unit), parameters)?;
-        selection.regions.iter_mut().for_each(|region| region.altitude = tree.altitude(region.node));
-        Ok(selection)
-    }
+/// The stable regions of a tree, with altitudes in this unit where the scale is linear.
+pub(crate) fn stable_regions_in(
+    tree: &ComponentTree,
+    unit: Option<f64>,
+    parameters: &StabilityParameters,
+) -> Result<Selection, Error> {
+    let Some(unit) = unit else { return Ok(stable_regions(tree, parameters)?) };
+    let mut selection = stable_regions(&tree.scaled(1.0 / unit), parameters)?;
+    selection.regions.iter_mut().for_each(|region| region.altitude = tree.altitude(region.node));
+    Ok(selection)
 }

@@ -221,6 +221,9 @@ pub enum ResultsError {
     /// Signatures cannot be computed.
     #[error("{0}")]
     Signatures(#[source] Box<mser3d::Error>),
+    /// The tree of a large shape cannot be made anew.
+    #[error("{0}")]
+    TreeOfFeatures(#[source] Box<mser3d::Error>),
     /// Maximally stable volumes cannot be searched.
     #[error(transparent)]
     Tree(#[from] mser3d::comptree::TreeError),

@@ -4,6 +4,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use mser3d::Features;
 use mser3d_fileio::{FolderLock, Unfinished, Writing, sync_folder, sync_names};
 
 use crate::msv::MsvResults;
@@ -72,7 +73,21 @@ impl ResultsFolder {
     /// # Errors
     /// [`ResultsError::Io`], [`ResultsError::File`] or [`ResultsError::Mesh`], naming the file.
     pub fn write(&self, results: &Results, extras: &[Extra]) -> Result<(), ResultsError> {
-        self.replace(&Results::FILES, |staged| results.write_files(staged, extras))
+        self.replace(&Results::FILES, |staged| results.write_files(staged, extras, None))
+    }
+
+    /// The same of results that were found just now. The trees of a large shape, which the results do not have
+    /// ([`Results::trees`]), are made one after the other.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write); [`ResultsError::TreeOfFeatures`].
+    pub fn write_found(
+        &self,
+        results: &Results,
+        features: &Features,
+        extras: &[Extra],
+    ) -> Result<(), ResultsError> {
+        self.replace(&Results::FILES, |staged| results.write_files(staged, extras, Some(features)))
     }
 
     /// Writes the maximally stable volumes of a grey-value volume, in place of older ones; see [`MsvResults::write`].

@@ -6,7 +6,7 @@ use mser3d::comptree::{Polarity, SelectionReport};
 use mser3d::descriptors::TimeScale;
 use mser3d::spectral::SpectrumReport;
 use mser3d::voxelize::Diagnosis;
-use mser3d::{Body, Features, Parameters, Part, Region, RunReport, Sidedness};
+use mser3d::{Body, Features, Parameters, Part, RunReport, Sidedness};
 use mser3d_fileio::file_stem;
 use mser3d_shape::vector::scale;
 use mser3d_shape::{Affine, Domain, VoxelGrid};
@@ -270,7 +270,7 @@ impl Record {
             voxels: volume.then_some(r.elements.len()),
             vertices: r.vertices.len(),
             centroid: r.centroid,
-            tip: tip(features, r),
+            tip: positions.at(r.tip),
             oriented_box: OrientedBox::around(&r.elements, positions, &mass, half_edges),
             track: None,
             colour: None,
@@ -293,7 +293,7 @@ impl Record {
             body: t.body as u32,
             time_scale: t.time_scale,
             time: t.time,
-            polarity: t.tree.polarity(),
+            polarity: t.polarity,
             selection: t.selection.report,
         });
         let warnings = features.warnings.iter().map(ToString::to_string);
@@ -359,19 +359,6 @@ impl Record {
             _ => stem,
         }
     }
-}
-
-/// Where a region begins: its element with the extreme weight, the one that enters its tree first, of several the first.
-fn tip(features: &Features, region: &Region) -> [f64; 3] {
-    let (body, tree) = (&features.bodies[region.body], &features.trees[region.tree].tree);
-    let sign = if tree.polarity() == Polarity::Sublevel { 1.0 } else { -1.0 };
-    let altitude = |element: u32| {
-        let node = tree.nodes_of_vertices()[body.number_of(element)? as usize];
-        Some((element, sign * tree.altitudes()[node as usize]))
-    };
-    let entered = region.elements.iter().filter_map(|&element| altitude(element));
-    let first = entered.min_by(|a, b| a.1.total_cmp(&b.1));
-    first.map_or(region.centroid, |(element, _)| features.shape.positions().at(element))
 }
 
 /// JSON has neither infinity nor NaN.

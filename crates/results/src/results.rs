@@ -1,5 +1,6 @@
-use mser3d::{Features, Tree};
-use mser3d_shape::{Domain, IndexSet, TriangleMesh, VoxelGrid, innermost_regions};
+use mser3d::Features;
+use mser3d::comptree::NodeLists;
+use mser3d_shape::{Domain, IndexSet, TriangleMesh, VoxelGrid};
 use mser3d_viewer::{RegionTraits, Rgb, region_colours, voxel_surface};
 
 use crate::{Eigenfunctions, Extra, InputRecord, Record, RegionRecord, ResultsError, ShapeFile};
@@ -36,7 +37,8 @@ pub struct Results {
     pub descriptors: Vec<f64>,
     /// How near each two regions are to each other, row by row: [`mser3d::Features::cosines`].
     pub cosines: Vec<f64>,
-    /// The nodes of the trees.
+    /// The nodes of the trees. None of a large shape, whose trees are not kept ([`mser3d::Tree::tree`]): see
+    /// [`with_trees`](Self::with_trees).
     pub trees: Vec<TreeArrays>,
     /// The eigenpairs of each body, where they were kept to be written ([`Extra::Eigenfunctions`](crate::Extra)). A result that is
     /// read has none: see [`Eigenfunctions::load`].
@@ -84,6 +86,18 @@ impl Results {
         Self { eigenfunctions: kept, ..self }
     }
 
+    /// The same results with the nodes of all trees, also where they have to be made anew.
+    ///
+    /// # Errors
+    /// [`ResultsError::TreeOfFeatures`].
+    pub fn with_trees(mut self, features: &Features) -> Result<Self, ResultsError> {
+        if self.trees.len() < features.trees.len() {
+            let all = 0..features.trees.len();
+            self.trees = all.map(|tree| TreeArrays::of(features, tree)).collect::<Result<_, _>>()?;
+        }
+        Ok(self)
+    }
+
     fn with_record(
         record: Record,
         features: &Features,
@@ -106,12 +120,6 @@ impl Results {
         let voxel_part = parts
             .filter(|_| grid.is_some())
             .map_or_else(Vec::new, |found| found.part_of_element.iter().map(|&part| part as i32).collect());
-        let trees = features.trees.iter().map(|t| TreeArrays {
-            parents: (0..t.tree.len() as u32).map(|n| t.tree.parent(n).unwrap_or(u32::MAX)).collect(),
-            altitudes: t.tree.altitudes().to_vec(),
-            volumes: (0..t.tree.len() as u32).map(|n| t.tree.volume(n)).collect(),
-            entry: entry(features, t),
-        });
         let expected = shape.element_of_vertex().len();
         let found = mesh.map_or(0, |m| m.vertices().len());
         if found != expected {
@@ -132,9 +140,11 @@ impl Results {
             descriptor_width: features.descriptors.width(),
             descriptors: features.descriptors.values().to_vec(),
             cosines: features.cosines.values().to_vec(),
-            trees: trees.collect(),
+            trees: Vec::new(),
             eigenfunctions: None,
         };
+        let kept = features.trees.iter().all(|tree| tree.tree.is_some());
+        let results = if kept { results.with_trees(features)? } else { results };
         if mesh.is_some() { Ok(results) } else { results.with_voxel_surface() }
     }
 
@@ -235,44 +245,42 @@ const NEARLY_ALL: f64 = 0.9;
 /// For each region the smallest larger one that holds nearly all of it: those of several trees need not nest to the last voxel. Regions come
 /// by falling size.
 fn around(regions: &[Vec<u32>]) -> Vec<Option<u32>> {
-    // The regions that hold each member, one member after the other, each ascending.
-    let count = regions.iter().flatten().max().map_or(0, |&member| member as usize + 1);
-    let mut ends = vec![0; count + 1];
-    regions.iter().flatten().for_each(|&member| ends[member as usize + 1] += 1);
-    (0..count).for_each(|member| ends[member + 1] += ends[member]);
-    let mut holding = vec![0; ends[count]];
-    for (region, own) in (0u32..).zip(regions) {
-        for &member in own {
-            // So that the beginnings become the ends.
-            let at = &mut ends[member as usize];
-            holding[*at] = region;
-            *at += 1;
-        }
-    }
-    let holding = |member: u32| {
-        let start = if member == 0 { 0 } else { ends[member as usize - 1] };
-        &holding[start..ends[member as usize]]
+    let universe = regions.iter().flatten().max().map_or(0, |&member| member as usize + 1);
+    let sets: Vec<IndexSet> =
+        regions.iter().filter_map(|own| IndexSet::from_members(universe, own.iter().copied()).ok()).collect();
+    let around = |(region, own): (usize, &IndexSet)| {
+        let size = regions[region].len();
+        let nearly = |larger: &IndexSet| {
+            let shared = larger.common(own);
+            shared > 0 && shared as f64 >= NEARLY_ALL * size as f64
+        };
+        sets[..region].iter().rposition(nearly).map(|larger| larger as u32)
     };
-    let around = |(region, own): (usize, &Vec<u32>)| {
-        let mut shared = vec![0; region];
-        for &member in own {
-            let larger = holding(member).iter().take_while(|other| (**other as usize) < region);
-            larger.for_each(|&other| shared[other as usize] += 1);
-        }
-        let nearly = |&count: &usize| count > 0 && count as f64 >= NEARLY_ALL * own.len() as f64;
-        shared.iter().rposition(nearly).map(|other| other as u32)
-    };
-    regions.iter().enumerate().map(around).collect()
+    sets.iter().enumerate().map(around).collect()
 }
 
-/// The node in which each voxel of a solid, or each vertex of a surface, enters a tree.
-fn entry(features: &Features, tree: &Tree) -> Vec<u32> {
-    let of_element = features.nodes_of_elements(tree);
-    let none = |node: Option<u32>| node.unwrap_or(u32::MAX);
-    let of_vertex = |element: &Option<u32>| none(element.and_then(|e| of_element[e as usize]));
-    match features.shape.domain() {
-        Domain::Volume => of_element.into_iter().map(none).collect(),
-        Domain::Surface => features.shape.element_of_vertex().iter().map(of_vertex).collect(),
+impl TreeArrays {
+    /// The nodes of one of the trees.
+    ///
+    /// # Errors
+    /// [`ResultsError::TreeOfFeatures`], where it has to be made anew.
+    pub(crate) fn of(features: &Features, number: usize) -> Result<Self, ResultsError> {
+        let tree = features.tree(number).map_err(|error| ResultsError::TreeOfFeatures(Box::new(error)))?;
+        let NodeLists { parents, altitudes, volumes, node_of } = tree.into_owned().into_lists();
+        let elements = &features.bodies[features.trees[number].body].elements;
+        let of_element = if elements.len() == features.shape.len() {
+            node_of
+        } else {
+            let mut of_element = vec![u32::MAX; features.shape.len()];
+            elements.iter().zip(node_of).for_each(|(&element, node)| of_element[element as usize] = node);
+            of_element
+        };
+        let of_vertex = |element: &Option<u32>| element.map_or(u32::MAX, |e| of_element[e as usize]);
+        let entry = match features.shape.domain() {
+            Domain::Volume => of_element,
+            Domain::Surface => features.shape.element_of_vertex().iter().map(of_vertex).collect(),
+        };
+        Ok(Self { parents, altitudes, volumes, entry })
     }
 }
 
@@ -283,9 +291,13 @@ pub(crate) fn traits(regions: &[RegionRecord]) -> Vec<RegionTraits> {
     regions.iter().map(traits).collect()
 }
 
-/// Innermost regions as files have them: -1 for none.
+/// Innermost regions as files have them: -1 for none. Regions come by falling size.
 pub(crate) fn labels(count: usize, regions: &[Vec<u32>]) -> Vec<i32> {
-    innermost_regions(count, regions).into_iter().map(|region| region.map_or(-1, |r| r as i32)).collect()
+    let mut labels = vec![-1; count];
+    for (number, members) in (0..).zip(regions) {
+        members.iter().for_each(|&member| labels[member as usize] = number);
+    }
+    labels
 }
 
 #[cfg(test)]

@@ -1,11 +1,12 @@
 use std::path::Path;
 
-use mser3d_fileio::{NpyArray, write_npz, write_text};
+use mser3d::Features;
+use mser3d_fileio::{NpyArray, NpzWriter, write_npz_by, write_text};
 
 use crate::beside::beside;
 use crate::eigenfunctions::write_eigenfunctions;
 use crate::folder::Kind;
-use crate::{Results, ResultsError, ResultsFolder};
+use crate::{Results, ResultsError, ResultsFolder, TreeArrays};
 
 mser3d_shape::choice! {
     /// What can be written to a folder of results besides.
@@ -91,14 +92,19 @@ impl Results {
     }
 
     /// Writes all files into an empty folder, beside each other.
-    pub(crate) fn write_files(&self, folder: &Path, extras: &[Extra]) -> Result<(), ResultsError> {
+    pub(crate) fn write_files(
+        &self,
+        folder: &Path,
+        extras: &[Extra],
+        features: Option<&Features>,
+    ) -> Result<(), ResultsError> {
         let mut files = vec![File::Arrays];
         files.extend((!self.mesh_of_voxels).then_some(File::Surface));
         files.extend(self.grid.is_some().then_some(File::Volume));
         files.extend(extras.iter().copied().map(File::Extra));
         files.push(File::Record);
         let write = |file: &File| match file {
-            File::Arrays => self.write_arrays(folder),
+            File::Arrays => self.write_arrays(folder, features),
             File::Surface => self.export(&folder.join("surface.ply")).map(drop),
             File::Volume => self.export(&folder.join("volume.vti")).map(drop),
             File::Extra(extra) => self.write_extra(*extra, folder),
@@ -121,65 +127,69 @@ impl Results {
         }
     }
 
-    /// Writes `features.npz`.
-    fn write_arrays(&self, folder: &Path) -> Result<(), ResultsError> {
-        let vertex_region = self.vertex_region();
-        let voxel_region = self.voxel_region();
-        let mut arrays = Vec::new();
-        if !self.mesh_of_voxels {
-            arrays.push(("vertex_region".to_owned(), NpyArray::flat(&vertex_region[..])));
-            arrays.extend(lists("region_vertices", &self.region_vertices));
-            if self.grid.is_some() {
-                arrays.push(("vertex_voxel".to_owned(), NpyArray::flat(&self.vertex_voxel[..])));
+    /// Writes `features.npz`, one array after the other.
+    fn write_arrays(&self, folder: &Path, features: Option<&Features>) -> Result<(), ResultsError> {
+        write_npz_by(&folder.join("features.npz"), |npz| {
+            if !self.mesh_of_voxels {
+                npz.add("vertex_region", &NpyArray::flat(self.vertex_region()))?;
+                add_lists(npz, "region_vertices", &self.region_vertices)?;
+                if self.grid.is_some() {
+                    npz.add("vertex_voxel", &NpyArray::flat(&self.vertex_voxel[..]))?;
+                }
+                if self.record.parts.is_some() {
+                    npz.add("vertex_part", &NpyArray::flat(&self.vertex_part[..]))?;
+                }
             }
-            if self.record.parts.is_some() {
-                arrays.push(("vertex_part".to_owned(), NpyArray::flat(&self.vertex_part[..])));
+            if let Some(file_vertex) = &self.file_vertex {
+                npz.add("file_vertex", &NpyArray::flat(&file_vertex[..]))?;
             }
-        }
-        if let Some(file_vertex) = &self.file_vertex {
-            arrays.push(("file_vertex".to_owned(), NpyArray::flat(&file_vertex[..])));
-        }
-        if let Some(grid) = &self.grid {
-            let index: Vec<u32> = grid.voxels().flatten().collect();
-            arrays.push(("voxel_region".to_owned(), NpyArray::flat(&voxel_region[..])));
-            arrays.extend(lists("region_voxels", &self.region_voxels));
-            if self.record.parts.is_some() {
-                arrays.push(("voxel_part".to_owned(), NpyArray::flat(&self.voxel_part[..])));
+            if let Some(grid) = &self.grid {
+                npz.add("voxel_region", &NpyArray::flat(self.voxel_region()))?;
+                add_lists(npz, "region_voxels", &self.region_voxels)?;
+                if self.record.parts.is_some() {
+                    npz.add("voxel_part", &NpyArray::flat(&self.voxel_part[..]))?;
+                }
+                let mut index = Vec::with_capacity(3 * grid.len());
+                index.extend(grid.voxels().flatten());
+                npz.add("voxel_index", &NpyArray::new(&[grid.len(), 3], index)?)?;
+                let affine = self.record.grid.map_or(grid.frame().affine(), |grid| grid.affine);
+                let affine = affine.matrix().as_flattened().to_vec();
+                npz.add("grid_affine", &NpyArray::new(&[4, 4], affine)?)?;
             }
-            arrays.push(("voxel_index".to_owned(), NpyArray::new(&[grid.len(), 3], index)?));
-            let affine = self.record.grid.map_or(grid.frame().affine(), |grid| grid.affine);
-            let affine = affine.matrix().as_flattened().to_vec();
-            arrays.push(("grid_affine".to_owned(), NpyArray::new(&[4, 4], affine)?));
-        }
-        let shape = [self.record.regions.len(), self.descriptor_width];
-        for (body, eigenvalues) in self.eigenvalues.iter().enumerate() {
-            arrays.push((of_body("eigenvalues", body), NpyArray::flat(&eigenvalues[..])));
-        }
-        arrays.push(("region_descriptor".to_owned(), NpyArray::new(&shape, &self.descriptors[..])?));
-        let shape = [self.record.regions.len(); 2];
-        arrays.push(("region_cosine".to_owned(), NpyArray::new(&shape, &self.cosines[..])?));
-        // In numpy -1 is handier for none, and NaN.
-        let regions = self.record.regions.iter();
-        let twins: Vec<i32> = regions.clone().map(|r| r.twin.map_or(-1, |twin| twin as i32)).collect();
-        let sides: Vec<f64> = regions.map(|r| r.side.unwrap_or(f64::NAN)).collect();
-        arrays.push(("region_twin".to_owned(), NpyArray::flat(twins)));
-        arrays.push(("region_side".to_owned(), NpyArray::flat(sides)));
-        arrays.extend(self.tree_arrays());
-        Ok(write_npz(&folder.join("features.npz"), &arrays)?)
-    }
-
-    fn tree_arrays(&self) -> impl Iterator<Item = (String, NpyArray<'_>)> {
-        self.trees.iter().enumerate().flat_map(|(number, tree)| {
-            // In numpy -1 is handier for none than 2^32 - 1.
-            let signed = |numbers: &[u32]| numbers.iter().map(|&n| n as i32).collect::<Vec<_>>();
-            [
-                (format!("tree{number}_parent"), NpyArray::flat(signed(&tree.parents))),
-                (format!("tree{number}_altitude"), NpyArray::flat(&tree.altitudes[..])),
-                (format!("tree{number}_volume"), NpyArray::flat(&tree.volumes[..])),
-                (format!("tree{number}_entry"), NpyArray::flat(signed(&tree.entry))),
-            ]
+            let shape = [self.record.regions.len(), self.descriptor_width];
+            for (body, eigenvalues) in self.eigenvalues.iter().enumerate() {
+                npz.add(&of_body("eigenvalues", body), &NpyArray::flat(&eigenvalues[..]))?;
+            }
+            npz.add("region_descriptor", &NpyArray::new(&shape, &self.descriptors[..])?)?;
+            let shape = [self.record.regions.len(); 2];
+            npz.add("region_cosine", &NpyArray::new(&shape, &self.cosines[..])?)?;
+            // In numpy -1 is handier for none, and NaN.
+            let regions = self.record.regions.iter();
+            let twins: Vec<i32> = regions.clone().map(|r| r.twin.map_or(-1, |twin| twin as i32)).collect();
+            let sides: Vec<f64> = regions.map(|r| r.side.unwrap_or(f64::NAN)).collect();
+            npz.add("region_twin", &NpyArray::flat(twins))?;
+            npz.add("region_side", &NpyArray::flat(sides))?;
+            self.add_trees(npz, features)
         })
     }
+
+    /// Adds the trees: those that are here, or those of the features.
+    fn add_trees(&self, npz: &mut NpzWriter, features: Option<&Features>) -> Result<(), ResultsError> {
+        for (number, tree) in self.trees.iter().enumerate() {
+            add_tree(npz, number, tree)?;
+        }
+        let Some(features) = features.filter(|_| self.trees.is_empty()) else { return Ok(()) };
+        (0..features.trees.len()).try_for_each(|tree| add_tree(npz, tree, &TreeArrays::of(features, tree)?))
+    }
+}
+
+fn add_tree(npz: &mut NpzWriter, number: usize, tree: &TreeArrays) -> Result<(), ResultsError> {
+    // In numpy -1 is handier for none than 2^32 - 1.
+    let signed = |numbers: &[u32]| NpyArray::flat(numbers.iter().map(|&n| n as i32).collect::<Vec<_>>());
+    npz.add(&format!("tree{number}_parent"), &signed(&tree.parents))?;
+    npz.add(&format!("tree{number}_altitude"), &NpyArray::flat(&tree.altitudes[..]))?;
+    npz.add(&format!("tree{number}_volume"), &NpyArray::flat(&tree.volumes[..]))?;
+    Ok(npz.add(&format!("tree{number}_entry"), &signed(&tree.entry))?)
 }
 
 /// The name of an array of a body.
@@ -190,11 +200,12 @@ pub(crate) fn of_body(what: &str, body: usize) -> String {
     }
 }
 
-/// Lists one after another, and where each begins and the last ends.
-fn lists(name: &str, lists: &[Vec<u32>]) -> [(String, NpyArray<'static>); 2] {
+/// Adds lists one after another, and where each begins and the last ends.
+fn add_lists(npz: &mut NpzWriter, name: &str, lists: &[Vec<u32>]) -> Result<(), ResultsError> {
     let mut starts = vec![0i64];
     for list in lists {
         starts.push(starts[starts.len() - 1] + list.len() as i64);
     }
-    [(name.to_owned(), NpyArray::flat(lists.concat())), (format!("{name}_start"), NpyArray::flat(starts))]
+    npz.add(name, &NpyArray::flat(lists.concat()))?;
+    Ok(npz.add(&format!("{name}_start"), &NpyArray::flat(starts))?)
 }

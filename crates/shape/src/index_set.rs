@@ -80,6 +80,15 @@ impl IndexSet {
         Self { words, universe: self.universe }
     }
 
+    /// How many indices are in both sets.
+    ///
+    /// # Panics
+    /// When the universes differ.
+    pub fn common(&self, other: &Self) -> usize {
+        assert_eq!(self.universe, other.universe);
+        self.words.iter().zip(&other.words).map(|(a, b)| (a & b).count_ones() as usize).sum()
+    }
+
     /// |A and B| / |A or B| with a weight for each index; 0 when neither weighs anything.
     ///
     /// # Panics
@@ -149,6 +158,7 @@ mod tests {
         assert_eq!(set(&[3]).overlap(&set(&[3]), &weight), 1.0);
         assert_eq!(set(&[3]).overlap(&set(&[0]), &weight), 0.0);
         assert_eq!(set(&[0, 1]).intersection(&set(&[1, 2])), set(&[1]));
+        assert_eq!(set(&[0, 1, 3]).common(&set(&[1, 2, 3])), 2);
         assert_eq!(set(&[]).overlap(&set(&[]), &weight), 0.0);
     }
 }

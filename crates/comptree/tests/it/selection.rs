@@ -1,7 +1,7 @@
 //! Facts about stable regions.
 use mser3d_comptree::{
     AltitudeScale, ComponentTree, Merge, Polarity, PoolParameters, Selection, StabilityParameters,
-    StabilityRule, TreeError, pool, stability, stable_regions,
+    StabilityRule, TreeError, TreeRegions, pool, stability, stable_regions,
 };
 use proptest::prelude::*;
 
@@ -270,7 +270,7 @@ fn pooled_regions_hold_no_duplicates_and_know_their_origin() {
     let trees: Vec<ComponentTree> = [0.0, 0.1, 1.0].iter().map(|&p| tree(&field(p))).collect();
     let selections: Vec<Selection> =
         trees.iter().map(|t| stable_regions(t, &Default::default()).unwrap()).collect();
-    let sources: Vec<_> = trees.iter().zip(&selections).collect();
+    let sources: Vec<_> = trees.iter().zip(&selections).map(|(t, s)| TreeRegions::of(t, s)).collect();
     let all: usize = selections.iter().map(|s| s.regions.len()).sum();
     let pooled = pool(&sources, 0.5, &PoolParameters::default()).unwrap();
     assert!(pooled.len() < all && pooled.len() >= selections[0].regions.len());
@@ -296,7 +296,11 @@ fn pooled_regions_hold_no_duplicates_and_know_their_origin() {
     let everything = pool(&sources, 0.5, &PoolParameters { duplicate_overlap: 1.1 }).unwrap();
     assert_eq!(everything.len(), all);
     let other = tree(&[1.0, 2.0]);
-    assert!(pool(&[sources[0], (&other, &selections[0])], 1.0, &PoolParameters::default()).is_err());
+    let mut none = selections[0].clone();
+    none.regions.clear();
+    assert!(
+        pool(&[sources[0].clone(), TreeRegions::of(&other, &none)], 1.0, &PoolParameters::default()).is_err()
+    );
 }
 
 #[test]
@@ -316,7 +320,7 @@ fn among_near_duplicates_the_one_with_the_sharpest_merge_is_kept() {
     });
     selections[2].regions.iter_mut().for_each(|region| region.merge = None);
     let sizes = |which: &[usize]| -> Vec<usize> {
-        let sources: Vec<_> = which.iter().map(|&i| (&trees[i], &selections[i])).collect();
+        let sources: Vec<_> = which.iter().map(|&i| TreeRegions::of(&trees[i], &selections[i])).collect();
         let pooled = pool(&sources, 1.0, &PoolParameters::default()).unwrap();
         pooled.iter().map(|region| region.vertices.len()).collect()
     };

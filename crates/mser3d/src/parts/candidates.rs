@@ -1,17 +1,19 @@
 //! What may become a part: the regions of a body's trees, each with its narrowest border.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use mser3d_comptree::{
     AltitudeScale, ComponentTree, Merge, StabilityParameters, StabilityRule, StableRegion, stable_regions,
 };
 use mser3d_descriptors::{HksParameters, TimeScale, hks};
-use mser3d_shape::{Domain, IndexSet};
+use mser3d_shape::{Domain, Eigenbasis, IndexSet};
 use rayon::prelude::*;
 
 use super::PartParameters;
 use super::borders::{Bordered, Links, down, narrowest};
-use super::twins::twin_groups;
+use super::twins::{like_volume, twin_groups};
 use crate::{Error, Features};
 
 /// The share of a region that its part keeps at least when its border is moved to a narrow place.
@@ -43,9 +45,7 @@ pub(super) struct Candidate {
     /// The tree that it is of.
     pub tree: usize,
     /// Its elements, numbered as in the shape.
-    pub elements: Vec<u32>,
-    /// The same as a set.
-    pub set: IndexSet,
+    pub elements: IndexSet,
     /// Volume or area.
     pub volume: f64,
     /// How surely it is a limb.
@@ -113,12 +113,12 @@ pub(super) struct Candidates {
 
 /// A region of a tree with its narrowest border.
 struct Narrowed {
-    tree: usize,
     top: StableRegion,
     place: Bordered,
 }
 
 impl Candidates {
+    /// Those of all trees of a body: of trees that are not kept, one after the other.
     pub fn of(
         features: &Features,
         body: usize,
@@ -126,53 +126,67 @@ impl Candidates {
         mass: &[f64],
         parameters: &PartParameters,
     ) -> Result<Self, Error> {
-        let searched = &features.bodies[body];
-        let rule = stability(&features.parameters.stability, parameters);
-        let narrow_all = |number: usize| -> Result<Vec<Narrowed>, Error> {
-            let tree = &features.trees[number].tree;
-            let mut depth = vec![0; features.shape.len()];
-            let mut found: Vec<Narrowed> = Vec::new();
-            for top in stable_regions(tree, &rule)?.regions {
-                let place = narrowest(tree, &searched.elements, top.node, KEPT, links, &mut depth);
-                // Of several with one border, such as a limb and a chance union of it with a little more, the one that lasts.
-                match found.iter_mut().find(|other| other.place.node == place.node) {
-                    Some(other) if lifetime(&other.top) >= lifetime(&top) => {}
-                    Some(other) => other.top = top,
-                    None => found.push(Narrowed { tree: number, top, place }),
-                }
-            }
-            Ok(found)
-        };
         let own: Vec<usize> =
             (0..features.trees.len()).filter(|&tree| features.trees[tree].body == body).collect();
-        let found: Vec<Vec<Narrowed>> = own.into_par_iter().map(narrow_all).collect::<Result<_, Error>>()?;
-        let mut found: Vec<Narrowed> = found.into_iter().flatten().collect();
-        let groups = groups(features, body, &found)?;
+        let kept = own.iter().all(|&tree| features.trees[tree].tree.is_some());
+        let at_a_time = if kept { 1 } else { own.len() };
+        let of_tree = |tree: usize| Self::of_tree(features, tree, links, mass, parameters);
+        let found: Vec<Self> =
+            own.into_par_iter().with_min_len(at_a_time).map(of_tree).collect::<Result<_, Error>>()?;
+        let mut all = Self { all: Vec::new(), groups: Vec::new() };
+        for of_tree in found {
+            let first = all.all.len();
+            let moved = |group: Vec<usize>| group.into_iter().map(|place| first + place).collect();
+            all.groups.extend(of_tree.groups.into_iter().map(moved));
+            all.all.extend(of_tree.all);
+        }
+        Ok(all)
+    }
+
+    fn of_tree(
+        features: &Features,
+        number: usize,
+        links: &Links,
+        mass: &[f64],
+        parameters: &PartParameters,
+    ) -> Result<Self, Error> {
+        let tree = &*features.tree(number)?;
+        let body = features.trees[number].body;
+        let searched = &features.bodies[body];
+        let rule = stability(&features.parameters.stability, parameters);
         let mut depth = vec![0; features.shape.len()];
+        let mut found: Vec<Narrowed> = Vec::new();
+        for top in stable_regions(tree, &rule)?.regions {
+            let place = narrowest(tree, &searched.elements, top.node, KEPT, links, &mut depth);
+            // Of several with one border, such as a limb and a chance union of it with a little more, the one that lasts.
+            match found.iter_mut().find(|other| other.place.node == place.node) {
+                Some(other) if lifetime(&other.top) >= lifetime(&top) => {}
+                Some(other) => other.top = top,
+                None => found.push(Narrowed { top, place }),
+            }
+        }
+        let groups = groups(&searched.basis, tree, &found)?;
         // The border of twins is where that of the smallest is.
         for group in &groups {
             let smallest = group.iter().map(|&c| found[c].place.volume).fold(f64::INFINITY, f64::min);
             for &member in group {
-                let Narrowed { tree, place, .. } = &mut found[member];
-                let tree = &features.trees[*tree].tree;
+                let place = &mut found[member].place;
                 let node = cut_off(tree, place.node, smallest);
                 if node != place.node {
                     *place = narrowest(tree, &searched.elements, node, 1.0, links, &mut depth);
                 }
             }
         }
+        drop(depth);
         let (domain, measure) = (searched.basis.domain(), searched.measure());
-        let candidate = |Narrowed { tree, top, place }: Narrowed| {
-            let own = &features.trees[tree].tree;
-            let number = |&v: &u32| searched.elements[v as usize];
-            let set =
-                IndexSet::from_members(features.shape.len(), own.vertices(place.node).iter().map(number))?;
-            let is_end = is_end_of_rod(own, &top, &place, rule.altitude, measure);
+        let candidate = |Narrowed { top, place }: Narrowed| {
+            let element = |&v: &u32| searched.elements[v as usize];
+            let elements = tree.vertices(place.node).iter().map(element);
+            let is_end = is_end_of_rod(tree, &top, &place, rule.altitude, measure);
             Ok(Candidate {
-                region: stands_for(features, body, own.vertices(top.node), &searched.elements, mass)?,
-                tree,
-                elements: set.members().map(|element| element as u32).collect(),
-                set,
+                region: stands_for(features, body, tree.vertices(top.node), &searched.elements, mass)?,
+                tree: number,
+                elements: IndexSet::from_members(features.shape.len(), elements)?,
                 volume: place.volume,
                 score: score(&top, &place, is_end, domain),
             })
@@ -197,35 +211,69 @@ fn stability(own: &StabilityParameters, parameters: &PartParameters) -> Stabilit
     }
 }
 
-/// Groups of twins among regions: those of one tree that end alike. They are described by the logarithm of their mean heat
+/// Groups of twins among regions of a tree: those that end alike. They are described by the logarithm of their mean heat
 /// kernel at some times, both cut off where they have the same volume.
-fn groups(features: &Features, body: usize, found: &[Narrowed]) -> Result<Vec<Vec<usize>>, Error> {
-    let basis = &features.bodies[body].basis;
-    let signatures =
-        hks(basis, &HksParameters { times: TWIN_TIMES.map(TimeScale::Relative).to_vec() }, None)?;
-    let describe = |tree: &ComponentTree, node: u32| {
-        let mut sums = [0.0; TWIN_TIMES.len()];
-        for &v in tree.vertices(node) {
-            let mass = basis.mass()[v as usize];
-            sums.iter_mut().zip(signatures.row(v as usize)).for_each(|(sum, h)| *sum += mass * h);
-        }
-        sums.map(|sum| (sum / tree.volume(node)).ln())
-    };
-    let distance = |a: usize, b: usize| {
+fn groups(basis: &Eigenbasis, tree: &ComponentTree, found: &[Narrowed]) -> Result<Vec<Vec<usize>>, Error> {
+    let volumes: Vec<f64> = found.iter().map(|c| c.place.volume).collect();
+    let may_be_twins = |a: usize, b: usize| {
         let (a, b) = (&found[a], &found[b]);
-        let tree = &features.trees[a.tree].tree;
         let nested = |x: &Narrowed, y: &Narrowed| tree.contains(x.place.node, y.place.node);
         let ends = |x: &Narrowed| x.top.merge.is_some();
-        if a.tree != b.tree || ends(a) != ends(b) || nested(a, b) || nested(b, a) {
-            return None;
-        }
-        let volume = a.place.volume.min(b.place.volume);
-        let [a, b] = [a, b].map(|x| describe(tree, cut_off(tree, x.place.node, volume)));
-        let squares: f64 = a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum();
-        Some((squares / TWIN_TIMES.len() as f64).sqrt())
+        ends(a) == ends(b) && !nested(a, b) && !nested(b, a)
     };
-    let volumes: Vec<f64> = found.iter().map(|c| c.place.volume).collect();
-    Ok(twin_groups(&volumes, distance))
+    let cut_alike = |a: usize, b: usize| {
+        let volume = volumes[a].min(volumes[b]);
+        [a, b].map(|region| cut_off(tree, found[region].place.node, volume))
+    };
+    let pairs = (0..found.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
+    let compared = pairs.filter(|&(a, b)| like_volume(volumes[a], volumes[b]) && may_be_twins(a, b));
+    let heat = mean_heat(basis, tree, compared.flat_map(|(a, b)| cut_alike(a, b)).collect())?;
+    let distance = |a: usize, b: usize| {
+        let [a, b] = cut_alike(a, b).map(|node| heat[&node].map(f64::ln));
+        let squares: f64 = a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum();
+        (squares / TWIN_TIMES.len() as f64).sqrt()
+    };
+    Ok(twin_groups(&volumes, |a, b| may_be_twins(a, b).then(|| distance(a, b))))
+}
+
+/// Elements whose heat kernel is known at a time.
+const BLOCK: usize = 1 << 14;
+
+/// The mean heat kernel of some nodes of a tree at some times.
+fn mean_heat(
+    basis: &Eigenbasis,
+    tree: &ComponentTree,
+    nodes: BTreeSet<u32>,
+) -> Result<BTreeMap<u32, [f64; TWIN_TIMES.len()]>, Error> {
+    // The unit is that of the whole basis, which is not asked for with each block.
+    let unit = basis.unit_time();
+    let times = HksParameters { times: TWIN_TIMES.map(|time| TimeScale::Absolute(time * unit)).to_vec() };
+    let mut sums: Vec<(u32, Range<usize>, [f64; TWIN_TIMES.len()])> =
+        nodes.into_iter().map(|node| (node, tree.slice(node), [0.0; TWIN_TIMES.len()])).collect();
+    sums.sort_by_key(|(_, slice, _)| slice.start);
+    // Slices are nested or disjoint, and each element is asked for once.
+    let mut next = 0;
+    for number in 0..sums.len() {
+        let end = sums[number].1.end;
+        next = next.max(sums[number].1.start);
+        while next < end {
+            let block = next..end.min(next + BLOCK);
+            let elements = &tree.permutation()[block.clone()];
+            let rows = hks(basis, &times, Some(elements))?;
+            let reached = sums[number..].iter_mut().take_while(|(_, slice, _)| slice.start < block.end);
+            for (_, slice, sums) in reached {
+                let own = slice.start.max(block.start)..slice.end.min(block.end);
+                for at in own {
+                    let (row, mass) = (at - block.start, basis.mass()[elements[at - block.start] as usize]);
+                    sums.iter_mut().zip(rows.row(row)).for_each(|(sum, h)| *sum += mass * h);
+                }
+            }
+            next = block.end;
+        }
+    }
+    let mean =
+        |(node, _, sums): (u32, _, [f64; TWIN_TIMES.len()])| (node, sums.map(|sum| sum / tree.volume(node)));
+    Ok(sums.into_iter().map(mean).collect())
 }
 
 /// The node down the branch that has about this volume, or the node itself where there is none.

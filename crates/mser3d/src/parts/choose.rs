@@ -136,8 +136,8 @@ impl Candidates {
             Ordering::Greater => (&self.all[b], &self.all[a]),
             _ => (&self.all[a], &self.all[b]),
         };
-        let inside = small.elements.iter().filter(|&&e| large.set.contains(e as usize));
-        inside.map(|&e| mass[e as usize]).sum::<f64>() / small.volume
+        let inside = small.elements.members().filter(|&e| large.elements.contains(e));
+        inside.map(|e| mass[e]).sum::<f64>() / small.volume
     }
 }
 
@@ -166,8 +166,8 @@ impl Layout<'_> {
         order.sort_by(|&a, &b| of(b).volume.total_cmp(&of(a).volume));
         let mut labels = vec![0; elements.len()];
         for place in order {
-            let set = &of(place).set;
-            let inside = elements.iter().zip(&mut labels).filter(|(e, _)| set.contains(**e as usize));
+            let members = &of(place).elements;
+            let inside = elements.iter().zip(&mut labels).filter(|(e, _)| members.contains(**e as usize));
             inside.for_each(|(_, label)| *label = place as u32 + 1);
         }
         labels

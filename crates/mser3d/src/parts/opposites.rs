@@ -1,6 +1,6 @@
 //! Twins of bodies that have sides: mirror images are on opposite sides.
 
-use super::twins::LIKE_VOLUME;
+use super::twins::like_volume;
 use crate::sides::LIKE_PLACE;
 
 /// From here on a part is on one side of its body, not in the middle.
@@ -34,7 +34,7 @@ pub(super) fn pair_by_sides(
     }
     let candidate = |a: usize, b: usize| {
         let opposite = aside(a)? * aside(b)? < 0.0;
-        let like = volumes[a].min(volumes[b]) >= LIKE_VOLUME * volumes[a].max(volumes[b]);
+        let like = like_volume(volumes[a], volumes[b]);
         let free = twins[a].is_empty() && twins[b].is_empty();
         (opposite && like && free && lie_alike(a, b)).then(|| distance(a, b))?
     };

@@ -3,13 +3,18 @@
 use std::collections::BTreeSet;
 
 /// The smallest ratio of the volumes of twins.
-pub(super) const LIKE_VOLUME: f64 = 2.0 / 3.0;
+const LIKE_VOLUME: f64 = 2.0 / 3.0;
 
 /// The largest distance of twins: the root mean square of the difference of the logarithms of what describes them.
 const LIKE_DISTANCE: f64 = 0.1;
 
 /// The distance up to which regions are equal but for their voxels.
 const SAME_DISTANCE: f64 = 0.02;
+
+/// Whether regions of these volumes can be twins.
+pub(super) fn like_volume(a: f64, b: f64) -> bool {
+    a.min(b) >= LIKE_VOLUME * a.max(b)
+}
 
 /// Puts regions that are alike into groups, each region into exactly one; most are alone. Groups and their members ascend.
 ///
@@ -23,11 +28,9 @@ pub(super) fn twin_groups(
     distance: impl Fn(usize, usize) -> Option<f64>,
 ) -> Vec<Vec<usize>> {
     let count = volumes.len();
-    let like_volume =
-        |a: usize, b: usize| volumes[a].min(volumes[b]) >= LIKE_VOLUME * volumes[a].max(volumes[b]);
     let mut pairs: Vec<(f64, [usize; 2])> = Vec::new();
     for a in 0..count {
-        let others = (a + 1..count).filter(|&b| like_volume(a, b));
+        let others = (a + 1..count).filter(|&b| like_volume(volumes[a], volumes[b]));
         let found = others.filter_map(|b| Some((distance(a, b)?, [a, b])));
         pairs.extend(found.filter(|(apart, _)| *apart <= LIKE_DISTANCE));
     }

@@ -239,11 +239,8 @@ fn each_body_on_its_own_is_the_body_alone() {
                 .filter(|&v| has(v).is_some_and(|e| elements.binary_search(&e).is_ok()));
             assert_eq!(region.vertices, vertices.collect::<Vec<_>>());
         }
-        let nodes = all.nodes_of_elements(&all.trees[alone.trees.len() * number]);
-        let entered = alone.trees[0].tree.nodes_of_vertices();
-        for (element, node) in (0u32..).zip(nodes) {
-            assert_eq!(node, body.number_of(element).map(|e| entered[e as usize]));
-        }
+        let of_body = all.tree(alone.trees.len() * number).unwrap();
+        assert_eq!(of_body.nodes_of_vertices(), alone.tree(0).unwrap().nodes_of_vertices());
         let rows: Vec<&[f64]> = mine.iter().map(|&r| all.descriptors.row(r)).collect();
         assert_eq!(rows, alone.descriptors.rows().collect::<Vec<_>>());
     }

@@ -45,7 +45,7 @@ fn a_field_of_two_hills_has_the_tree_of_two_hills() {
     assert_eq!(features.parameters.polarity, Some(Polarity::Superlevel));
     assert_eq!(features.trees.len(), 1, "a field has no time");
     // A node for each step of each hill, 15 of each; those at the saddle are one, which is the root.
-    let tree = &features.trees[0].tree;
+    let tree = features.tree(0).unwrap();
     assert_eq!(tree.len(), 29);
     let mut altitudes = tree.altitudes().to_vec();
     altitudes.sort_by(f64::total_cmp);
@@ -101,7 +101,7 @@ fn a_field_of_vectors_weighs_links_by_their_distance() {
     let polarity = Polarity::Sublevel;
     let tree =
         ComponentTree::from_edge_weights(grid.len(), &edges, &weights, basis.mass(), polarity).unwrap();
-    assert_eq!(found.trees[0].tree, tree);
+    assert_eq!(found.trees[0].tree, Some(tree));
 
     // Two colours: no distance inside of either, one between them.
     let halves = |shape: &DiscreteShape| {
@@ -110,7 +110,7 @@ fn a_field_of_vectors_weighs_links_by_their_distance() {
     };
     let features = Detector::new(parameters()).with_weight(&halves).detect(Input::Solid(&grid)).unwrap();
     assert_eq!(features.parameters.polarity, Some(Polarity::Sublevel));
-    let tree = &features.trees[0].tree;
+    let tree = features.tree(0).unwrap();
     assert_eq!(tree.altitudes(), [0.0, 0.0, 5.0]);
     let sizes: Vec<usize> = features.regions.iter().map(|r| r.elements.len()).collect();
     assert_eq!(sizes, [18 * 16, 12 * 16]);
@@ -128,7 +128,7 @@ fn bodies_have_their_own_part_of_a_field() {
     let features = Detector::new(all).with_weight(&field).detect(Input::Solid(&grid)).unwrap();
     let ranges = |f: &Features| -> Vec<[f64; 2]> {
         let sorted = |i: usize| {
-            let mut altitudes = f.trees[i].tree.altitudes().to_vec();
+            let mut altitudes = f.tree(i).unwrap().altitudes().to_vec();
             altitudes.sort_by(f64::total_cmp);
             [altitudes[0], altitudes[altitudes.len() - 1]]
         };
@@ -263,7 +263,7 @@ fn heat_smooths_a_field_before_the_tree_is_built() {
     let nodes = |smooth: Option<TimeScale>| {
         let parameters = Parameters { smooth_weight: smooth, ..parameters() };
         let features = Detector::new(parameters).with_weight(&noisy).detect(Input::Solid(&grid)).unwrap();
-        let leaves = features.trees[0].tree.leaves().count();
+        let leaves = features.tree(0).unwrap().leaves().count();
         (leaves, features.regions.len())
     };
     assert!(nodes(None).0 > 100);
@@ -279,7 +279,12 @@ fn heat_smooths_a_field_before_the_tree_is_built() {
     let found = |width: usize| {
         let values = field.values().iter().flat_map(|&x| std::iter::repeat_n(x, width)).collect();
         let field = Field::vectors(width, values).unwrap();
-        find_regions_of_field(&shape, &basis, &field, &own, NO_PROGRESS).unwrap().trees.remove(0).tree
+        find_regions_of_field(&shape, &basis, &field, &own, NO_PROGRESS)
+            .unwrap()
+            .trees
+            .remove(0)
+            .tree
+            .unwrap()
     };
     let (one, four) = (found(1), found(4));
     assert_eq!(one.len(), four.len());
@@ -333,7 +338,7 @@ fn what_is_no_weight_is_said() {
     // A constant has one level, and no region.
     let constant = |shape: &DiscreteShape| along_x(shape, |_| -3.0);
     let features = detect(&constant, AltitudeScale::Linear).unwrap();
-    assert_eq!((features.trees[0].tree.altitudes(), features.regions.len()), (&[-3.0][..], 0));
+    assert_eq!((features.tree(0).unwrap().altitudes(), features.regions.len()), (&[-3.0][..], 0));
     // Without a field.
     let none = Detector::new(Parameters::of_weight(Weight::Field)).detect(Input::Solid(&grid));
     assert_eq!(none.unwrap_err(), Error::NoField);
@@ -357,7 +362,7 @@ fn diffusion_distances_don_t_depend_on_how_long_links_are() {
         let mut parameters = Parameters { weight: Weight::Diffusion, ..parameters() };
         parameters.time_scales = vec![TimeScale::Absolute(60.0)];
         let features = Detector::new(parameters).detect(Input::Solid(&rod(n))).unwrap();
-        features.trees[0].tree.altitudes().iter().copied().fold(0.0, f64::max)
+        features.tree(0).unwrap().altitudes().iter().copied().fold(0.0, f64::max)
     };
     let (fine, coarse) = (highest(80), highest(40));
     assert!((fine / coarse - 1.0).abs() < 0.02, "{fine} {coarse}");
