@@ -1,7 +1,9 @@
 //! Pseudo-scalar fields: what tells left from right.
 
+use std::ops::Range;
+
 use mser3d_shape::vector::{cross, dot, norm};
-use mser3d_shape::{Eigenbasis, TriangleMesh, VoxelGrid};
+use mser3d_shape::{Eigenbasis, Faces, TriangleMesh, VoxelGrid};
 use pulp::Arch;
 use rayon::prelude::*;
 
@@ -9,6 +11,9 @@ use crate::{DescriptorError, TimeScale, spectral_sums};
 
 /// Elements that are summed one after the other. Sums of blocks are added in order, so that threads make no difference.
 const BLOCK: usize = 1 << 12;
+
+/// Voxels whose heat is known at a time, with that of those around them: blocks as a whole.
+const GROUP: usize = BLOCK << 8;
 
 /// Times that one pass over the eigenfunctions serves.
 const MOST_TIMES: usize = 8;
@@ -113,15 +118,14 @@ pub fn chirality_of_solid(
     params: &ChiralityParameters,
 ) -> Result<Chirality, DescriptorError> {
     check_size(basis, grid.len())?;
-    let logs = LogHeat::new(basis, unit_time, params)?;
-    let triples = triples(logs.times);
-    let neighbours = Neighbours::new(grid);
+    let heat = LogHeat::new(basis, unit_time, params)?;
+    let triples = triples(heat.times());
     let hand = if grid.frame().is_left_handed() { -1.0 } else { 1.0 };
     let steps = grid.frame().spacing().map(|h| 0.5 * unit_time.sqrt() / h);
-    let fields = |v: usize, values: &mut [f64]| {
+    let fields = |v: usize, faces: Faces, logs: &Logs, values: &mut [f64]| {
         let mut gradients = [[0.0; 3]; MOST_TIMES];
         for axis in 0..3 {
-            let [before, after] = neighbours.along(axis, v).map(|u| logs.at(u));
+            let [before, after] = faces.0[axis].map(|u| logs.at(u.map_or(v, |u| u as usize)));
             for (gradient, (low, high)) in gradients.iter_mut().zip(before.iter().zip(after)) {
                 gradient[axis] = steps[axis] * (high - low);
             }
@@ -133,10 +137,25 @@ pub fn chirality_of_solid(
             *value = if coplanar { 0.0 } else { hand * det.cbrt() };
         }
     };
-    Ok(project(basis, triples.len(), grid.len(), |v, values, add| {
-        fields(v, values);
-        add(v, basis.mass()[v]);
-    }))
+    let faces = |voxels: &Range<usize>| grid.faces(voxels.start as u32..voxels.end as u32);
+    let logs = |voxels: Range<usize>| {
+        heat.of(if voxels.len() == grid.len() {
+            voxels
+        } else {
+            let reached = || faces(&voxels).flat_map(Faces::ascending).map(|(v, _)| v as usize);
+            let (low, high) =
+                reached().fold((voxels.start, voxels.end), |(low, high), v| (low.min(v), high.max(v + 1)));
+            low..high
+        })
+    };
+    let at = |voxels: Range<usize>, logs: &Logs, add: &mut dyn FnMut(&[f64], usize, f64)| {
+        let mut values = vec![0.0; triples.len()];
+        for (v, faces) in voxels.clone().zip(faces(&voxels)) {
+            fields(v, faces, logs, &mut values);
+            add(&values, v, basis.mass()[v]);
+        }
+    };
+    Ok(project(basis, triples.len(), [grid.len(), GROUP], logs, at))
 }
 
 /// The pseudo-scalar fields of a surface: for each two times a < b the signed square root of
@@ -158,28 +177,32 @@ pub fn chirality_of_surface(
     params: &ChiralityParameters,
 ) -> Result<Chirality, DescriptorError> {
     check_size(basis, mesh.vertices().len())?;
-    let logs = LogHeat::new(basis, unit_time, params)?;
-    let pairs = pairs(logs.times);
+    let heat = LogHeat::new(basis, unit_time, params)?;
+    let pairs = pairs(heat.times());
     let outward = if mesh.signed_volume() < 0.0 { -1.0 } else { 1.0 };
-    Ok(project(basis, pairs.len(), mesh.triangles().len(), |triangle, values, add| {
-        let corners = mesh.triangles()[triangle].map(|v| v as usize);
-        let area = mesh.triangle_area(triangle);
-        let [here, first, second] = corners.map(|v| logs.at(v));
-        let mut rises = [[0.0; 2]; MOST_TIMES];
-        for (t, rise) in rises.iter_mut().enumerate().take(logs.times) {
-            *rise = [first[t] - here[t], second[t] - here[t]];
+    let triangles = mesh.triangles().len();
+    let logs = |_| heat.of(0..basis.len());
+    let at = |places: Range<usize>, logs: &Logs, add: &mut dyn FnMut(&[f64], usize, f64)| {
+        let mut values = vec![0.0; pairs.len()];
+        for triangle in places {
+            let corners = mesh.triangles()[triangle].map(|v| v as usize);
+            let area = mesh.triangle_area(triangle);
+            let [here, first, second] = corners.map(|v| logs.at(v));
+            let mut rises = [[0.0; 2]; MOST_TIMES];
+            for (t, rise) in rises.iter_mut().enumerate().take(logs.times) {
+                *rise = [first[t] - here[t], second[t] - here[t]];
+            }
+            for (value, &[a, b]) in values.iter_mut().zip(&pairs) {
+                let ([a1, a2], [b1, b2]) = (rises[a], rises[b]);
+                let wedge = a1 * b2 - a2 * b1;
+                let coplanar = wedge.abs() <= COPLANAR * (a1.hypot(a2) * b1.hypot(b2)) || area <= 0.0;
+                let density = if coplanar { 0.0 } else { outward * wedge * unit_time / (2.0 * area) };
+                *value = density.signum() * density.abs().sqrt();
+            }
+            corners.iter().for_each(|&v| add(&values, v, area / 3.0));
         }
-        for (value, &[a, b]) in values.iter_mut().zip(&pairs) {
-            let ([a1, a2], [b1, b2]) = (rises[a], rises[b]);
-            let wedge = a1 * b2 - a2 * b1;
-            let coplanar = wedge.abs() <= COPLANAR * (a1.hypot(a2) * b1.hypot(b2)) || area <= 0.0;
-            let density = if coplanar { 0.0 } else { outward * wedge * unit_time / (2.0 * area) };
-            *value = density.signum() * density.abs().sqrt();
-        }
-        for v in corners {
-            add(v, area / 3.0);
-        }
-    }))
+    };
+    Ok(project(basis, pairs.len(), [triangles; 2], logs, at))
 }
 
 /// Each three of so many times, ascending.
@@ -202,46 +225,53 @@ fn check_size(basis: &Eigenbasis, expected: usize) -> Result<(), DescriptorError
     Err(DescriptorError::SizeMismatch { what: "elements of the eigenbasis", found, expected })
 }
 
-/// The projection of fields on the eigenfunctions, each divided by its norm. `at` gives the values of all fields at one
-/// of so many places, and what it stands for: elements, and how much of their measure.
+/// The projection of fields on the eigenfunctions, each divided by its norm. Places come in groups of at most so many, for which
+/// `logs` are made. `at` adds the values of all fields at each of a range of places to the elements that the place stands for, with
+/// how much of their measure.
 fn project(
     basis: &Eigenbasis,
     fields: usize,
-    places: usize,
-    at: impl Fn(usize, &mut [f64], &mut dyn FnMut(usize, f64)) + Sync,
+    [places, group]: [usize; 2],
+    logs: impl Fn(Range<usize>) -> Logs,
+    at: impl Fn(Range<usize>, &Logs, &mut dyn FnMut(&[f64], usize, f64)) + Sync,
 ) -> Chirality {
     let (modes, arch) = (basis.eigenvalues().len(), Arch::new());
-    let blocks: Vec<(Vec<f64>, Vec<f64>)> = (0..places.div_ceil(BLOCK))
-        .into_par_iter()
-        .map(|block| {
-            let (mut squares, mut sums) = (vec![0.0; fields], vec![0.0; fields * modes]);
-            let mut values = vec![0.0; fields];
-            let mut parts: Vec<(usize, f64)> = Vec::with_capacity(3);
-            for place in block * BLOCK..places.min((block + 1) * BLOCK) {
-                parts.clear();
-                at(place, &mut values, &mut |element, measure| parts.push((element, measure)));
-                for &(element, measure) in &parts {
-                    let rows = sums.chunks_exact_mut(modes);
-                    let phi = basis.at(element);
-                    arch.dispatch(
-                        #[inline(always)]
-                        || project_one(&values, measure, phi, &mut squares, rows),
-                    );
-                }
-            }
-            (squares, sums)
-        })
-        .collect();
+    let of_block = |places: Range<usize>, logs: &Logs| {
+        let (mut squares, mut sums) = (vec![0.0; fields], vec![0.0; fields * modes]);
+        at(places, logs, &mut |values, element, measure| {
+            let rows = sums.chunks_exact_mut(modes);
+            let phi = basis.at(element);
+            arch.dispatch(
+                #[inline(always)]
+                || project_one(values, measure, phi, &mut squares, rows),
+            );
+        });
+        (squares, sums)
+    };
     let (mut squares, mut coefficients) = (vec![0.0; fields], vec![0.0; fields * modes]);
-    for (more_squares, more) in &blocks {
-        squares.iter_mut().zip(more_squares).for_each(|(sum, x)| *sum += x);
-        coefficients.iter_mut().zip(more).for_each(|(sum, x)| *sum += x);
+    for group in pieces(0..places, group) {
+        let logs = logs(group.clone());
+        let blocks: Vec<(Vec<f64>, Vec<f64>)> = pieces(group, BLOCK)
+            .collect::<Vec<_>>()
+            .into_par_iter()
+            .map(|places| of_block(places, &logs))
+            .collect();
+        for (more_squares, more) in &blocks {
+            squares.iter_mut().zip(more_squares).for_each(|(sum, x)| *sum += x);
+            coefficients.iter_mut().zip(more).for_each(|(sum, x)| *sum += x);
+        }
     }
     for (row, square) in coefficients.chunks_exact_mut(modes).zip(&squares) {
         let length = square.sqrt();
         row.iter_mut().for_each(|c| *c = if length > 0.0 { *c / length } else { 0.0 });
     }
     Chirality { fields, coefficients }
+}
+
+/// A range in pieces of a length.
+fn pieces(whole: Range<usize>, length: usize) -> impl Iterator<Item = Range<usize>> {
+    let end = whole.end;
+    whole.step_by(length.max(1)).map(move |start| start..end.min(start + length))
 }
 
 /// Adds what an element contributes to the squared norm and the coefficients of each field.
@@ -260,33 +290,51 @@ fn project_one<'a>(
     }
 }
 
-/// log H_t(v,v) of all elements at all times.
-struct LogHeat {
+/// log H_t(v,v) at all times.
+struct LogHeat<'a> {
+    basis: &'a Eigenbasis,
+    /// How much of each eigenfunction is left at each time. The last lanes may be idle.
+    decays: Vec<[f64; MOST_TIMES]>,
+    times: usize,
+}
+
+/// That of some elements.
+struct Logs {
+    first: usize,
     times: usize,
     values: Vec<f64>,
 }
 
-impl LogHeat {
+impl<'a> LogHeat<'a> {
     fn new(
-        basis: &Eigenbasis,
+        basis: &'a Eigenbasis,
         unit_time: f64,
         params: &ChiralityParameters,
     ) -> Result<Self, DescriptorError> {
         params.validate()?;
         let times: Vec<f64> =
             params.times.iter().map(|t| t.with_unit(unit_time)).collect::<Result<_, _>>()?;
-        // The last lanes may be idle. One pass over the eigenfunctions serves all times.
         let decay = |lambda: &f64| -> [f64; MOST_TIMES] {
             std::array::from_fn(|t| times.get(t).map_or(0.0, |time| (-lambda * time).exp()))
         };
-        let decays: Vec<[f64; MOST_TIMES]> = basis.eigenvalues().iter().map(decay).collect();
-        let count = times.len();
-        let mut values = vec![0.0; basis.len() * count];
+        let decays = basis.eigenvalues().iter().map(decay).collect();
+        Ok(Self { basis, decays, times: times.len() })
+    }
+
+    fn times(&self) -> usize {
+        self.times
+    }
+
+    /// That of some elements. One pass over the eigenfunctions serves all times.
+    fn of(&self, elements: Range<usize>) -> Logs {
+        let Self { basis, decays, times } = self;
+        let mut values = vec![0.0; elements.len() * times];
         spectral_sums::for_each_row(
             &mut values,
-            count,
+            *times,
             #[inline(always)]
-            |v, logs| {
+            |row, logs| {
+                let v = elements.start + row;
                 let mut sums = [0.0; MOST_TIMES];
                 for (decay, phi) in decays.iter().zip(basis.at(v)) {
                     let square = phi * phi;
@@ -296,34 +344,14 @@ impl LogHeat {
                 logs.iter_mut().zip(sums).for_each(|(log, sum)| *log = sum.max(f64::MIN_POSITIVE).ln());
             },
         );
-        Ok(Self { times: count, values })
-    }
-
-    /// Those of an element, one for each time.
-    #[inline]
-    fn at(&self, element: usize) -> &[f64] {
-        &self.values[element * self.times..][..self.times]
+        Logs { first: elements.start, times: *times, values }
     }
 }
 
-/// The linked neighbours of each voxel along the axes, or the voxel itself.
-struct Neighbours([[Vec<u32>; 2]; 3]);
-
-impl Neighbours {
-    fn new(grid: &VoxelGrid) -> Self {
-        let itself = || (0..grid.len() as u32).collect::<Vec<u32>>();
-        Self(std::array::from_fn(|axis| {
-            let mut both = [itself(), itself()];
-            for [first, second] in grid.linked_pairs(axis) {
-                both[0][second as usize] = first;
-                both[1][first as usize] = second;
-            }
-            both
-        }))
-    }
-
+impl Logs {
+    /// Those of an element, one for each time.
     #[inline]
-    fn along(&self, axis: usize, voxel: usize) -> [usize; 2] {
-        [0, 1].map(|way: usize| self.0[axis][way][voxel] as usize)
+    fn at(&self, element: usize) -> &[f64] {
+        &self.values[(element - self.first) * self.times..][..self.times]
     }
 }

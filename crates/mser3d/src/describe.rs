@@ -132,14 +132,14 @@ pub fn signatures(basis: &Eigenbasis, parameters: &Parameters) -> Result<Descrip
     })
 }
 
-/// The parameters with the unit of length that the reference measure gives, where they have none.
+/// The parameters with their unit of time: that of the reference measure or, without one, that of the basis, which is then not
+/// asked for with each block of elements.
 fn own_unit(own: &SiHksParameters, basis: &Eigenbasis, parameters: &Parameters) -> SiHksParameters {
-    let mut own = own.clone();
-    if let (None, Some(measure)) = (own.unit, parameters.reference_measure) {
-        own.unit = Some(match basis.domain() {
-            Domain::Volume => (measure / own.reference_volume).powf(2.0 / 3.0),
-            Domain::Surface => measure / own.reference_area,
-        });
-    }
-    own
+    let of_measure = |measure: f64| match basis.domain() {
+        Domain::Volume => (measure / own.reference_volume).powf(2.0 / 3.0),
+        Domain::Surface => measure / own.reference_area,
+    };
+    let unit =
+        own.unit.unwrap_or_else(|| of_measure(parameters.reference_measure.unwrap_or(basis.measure())));
+    SiHksParameters { unit: Some(unit), ..own.clone() }
 }

@@ -5,6 +5,7 @@ use mser3d_shape::Domain;
 use mser3d_spectral::{Eigensolver, SpectrumParameters};
 
 use crate::reliability::{COARSER, Original, occupied};
+use crate::weighing::KEPT_ELEMENTS;
 use crate::{Descriptor, Input, Parameters, Weight};
 
 /// What a run will take, roughly.
@@ -54,6 +55,10 @@ const BEGIN: f64 = 0.01;
 
 /// Bytes that any run takes.
 const MEMORY: f64 = 1.6e7;
+
+/// Bytes that an element takes beside the numbers of the spectrum and the weight; and one of a large shape, of which less is kept.
+const BESIDE: f64 = 200.0;
+const BESIDE_LARGE: f64 = 100.0;
 
 /// Bytes that a triangle takes while it is voxelized and its vertices look for their voxels, the mesh and its file included.
 const TRIANGLE: f64 = 360.0;
@@ -106,7 +111,8 @@ impl Parameters {
             parts: if self.parts.is_some() { PARTS * elements } else { 0.0 },
         };
         let numbers = spectrum.numbers + weight.numbers;
-        let search = 8.0 * numbers + 200.0 * elements + 2.0 * in_box;
+        let beside = if n > KEPT_ELEMENTS { BESIDE_LARGE } else { BESIDE };
+        let search = 8.0 * numbers + beside * elements + 2.0 * in_box;
         let memory = MEMORY + search.max(TRIANGLE * solid.triangles);
         Estimate {
             elements: n,

@@ -35,7 +35,7 @@ impl<'a> Positions<'a> {
         self.len() == 0
     }
 
-    /// Where an element is. For many elements [`of`](Self::of) is faster.
+    /// Where an element is. For many elements [`for_each_of`](Self::for_each_of) is faster.
     pub fn at(self, element: u32) -> [f64; 3] {
         match self.0 {
             Source::Voxels(grid) => grid.frame().centre(grid.voxel(element)),
@@ -53,16 +53,18 @@ impl<'a> Positions<'a> {
         voxels.into_iter().flat_map(centres).chain(vertices.iter().copied())
     }
 
-    /// Where some elements are; ascending ones are fastest.
-    pub fn of(self, elements: &'a [u32]) -> impl Iterator<Item = [f64; 3]> + 'a {
-        let (voxels, vertices) = match self.0 {
-            Source::Voxels(grid) => (Some(grid), None),
-            Source::Vertices(vertices) => (None, Some(vertices)),
-        };
-        let centres =
-            move |grid: &'a VoxelGrid| grid.voxels_of(elements).map(|voxel| grid.frame().centre(voxel));
-        let listed =
-            move |vertices: &'a [[f64; 3]]| elements.iter().map(|&element| vertices[element as usize]);
-        voxels.into_iter().flat_map(centres).chain(vertices.into_iter().flat_map(listed))
+    /// Calls `f` with each of some elements and where it is; ascending ones are fastest.
+    #[inline]
+    pub fn for_each_of(self, elements: &[u32], mut f: impl FnMut(u32, [f64; 3])) {
+        match self.0 {
+            Source::Voxels(grid) => {
+                let frame = grid.frame();
+                let voxels = elements.iter().zip(grid.voxels_of(elements));
+                voxels.for_each(|(&element, voxel)| f(element, frame.centre(voxel)));
+            }
+            Source::Vertices(vertices) => {
+                elements.iter().for_each(|&element| f(element, vertices[element as usize]));
+            }
+        }
     }
 }

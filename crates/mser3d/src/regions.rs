@@ -249,10 +249,33 @@ pub(crate) fn vertices_in(shape: &DiscreteShape, elements: &[u32]) -> Result<Vec
 pub(crate) fn centroid(elements: &[u32], positions: Positions, mass: &[f64]) -> [f64; 3] {
     let mut sum = [0.0; 3];
     let mut total = 0.0;
-    for (&e, position) in elements.iter().zip(positions.of(elements)) {
+    positions.for_each_of(elements, |e, position| {
         let m = mass[e as usize];
         total += m;
         (0..3).for_each(|a| sum[a] += m * position[a]);
-    }
+    });
     sum.map(|s| s / total)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::progress::NO_PROGRESS;
+    use mser3d_shape::{BitGrid, Connectivity, Frame, VoxelGrid};
+
+    #[test]
+    fn a_tree_that_is_made_anew_is_the_same() {
+        let dims = [30, 8, 6];
+        let frame = Frame::new(dims, [0.0; 3], [1.0; 3]).unwrap();
+        let grid = VoxelGrid::solid(frame, BitGrid::full(dims).unwrap()).unwrap();
+        let shape = DiscreteShape::solid(grid, Connectivity::Six);
+        for weight in [Weight::Heat, Weight::Edge] {
+            let parameters = Parameters::of_weight(weight);
+            let basis = shape.spectrum(&parameters.spectrum, NO_PROGRESS).unwrap().basis;
+            let found = find_regions(&shape, &basis, &parameters, NO_PROGRESS).unwrap();
+            for Tree { tree, time, .. } in found.trees {
+                assert_eq!(Some(tree_at(&shape, &basis, &parameters, time).unwrap()), tree);
+            }
+        }
+    }
 }

@@ -20,7 +20,7 @@ const ROUNDING: f64 = 1e-9;
 
 /// The most elements of a shape of which what can be made anew is kept: its links, the weights at all times, its trees. Of a larger
 /// one they would take more memory than all else.
-const KEPT: usize = 1 << 20;
+pub(crate) const KEPT_ELEMENTS: usize = 1 << 20;
 
 /// How a shape, or a body of it, is weighed.
 pub(crate) struct Weighing<'a> {
@@ -76,7 +76,7 @@ impl<'a> Weighing<'a> {
             Elements::Voxels { grid, connectivity: Connectivity::Six }
                 if parameters.weight == Weight::Heat
                     && parameters.time_scales.len() > 1
-                    && shape.len() <= KEPT =>
+                    && shape.len() <= KEPT_ELEMENTS =>
             {
                 Some(grid.graph(Connectivity::Six)?)
             }
@@ -95,7 +95,7 @@ impl<'a> Weighing<'a> {
     /// Whether what is made of the weights at each time is kept: where it is not, one time comes after the other. What is made of
     /// other things than the eigenpairs cannot be made anew.
     pub fn keeps(&self) -> bool {
-        self.shape.len() <= KEPT || !self.parameters.weight.has_time_scale()
+        self.shape.len() <= KEPT_ELEMENTS || !self.parameters.weight.has_time_scale()
     }
 
     /// A function of the elements after heat has smoothed it, if it is to.

@@ -29,6 +29,20 @@ pub const DIAGONALS: [[i32; 3]; 10] = [
     [-1, -1, 1],
 ];
 
+/// The linked neighbours of a voxel through its faces: along each axis the one before it and the one after it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Faces(pub [[Option<u32>; 2]; 3]);
+
+impl Faces {
+    /// The neighbours in the order of their numbers, and the axis along which each lies.
+    #[inline]
+    pub fn ascending(self) -> impl Iterator<Item = (u32, usize)> {
+        let [[x, x_after], [y, y_after], [z, z_after]] = self.0;
+        let all = [(z, 2), (y, 1), (x, 0), (x_after, 0), (y_after, 1), (z_after, 2)];
+        all.into_iter().filter_map(|(neighbour, axis)| Some((neighbour?, axis)))
+    }
+}
+
 /// A solid as voxels and the links between them.
 ///
 /// Occupancy alone glues limbs that come closer than a voxel. So each voxel carries, for +x, +y and
@@ -46,8 +60,13 @@ pub struct VoxelGrid {
     cut_diagonals: Option<Arc<Vec<[u32; 2]>>>,
     /// Occupied voxels before each word.
     rank: Arc<Vec<u32>>,
+    /// The word of each voxel whose number is a multiple of [`HINT`].
+    hints: Arc<Vec<usize>>,
     len: usize,
 }
+
+/// Of so many voxels one tells where it is, and where to look for the others.
+const HINT: usize = 256;
 
 impl VoxelGrid {
     /// A grid with the given links: bit v of `links[a]` links voxel v to its neighbour along +a.
@@ -122,16 +141,20 @@ impl VoxelGrid {
             let (count, limit) = (len as u128, u128::from(u32::MAX) - 1);
             return Err(ShapeError::TooMany { what: "occupied voxels", count, limit });
         }
+        let (mut rank, mut hints) = (Vec::with_capacity(occupancy.words().len()), Vec::new());
+        hints.reserve_exact(len.div_ceil(HINT));
         let mut before = 0;
-        let rank = occupancy.words().iter().map(|w| {
-            let here = before;
-            before += w.count_ones();
-            here
-        });
-        let rank = Arc::new(rank.collect());
+        for (word, bits) in occupancy.words().iter().enumerate() {
+            rank.push(before);
+            before += bits.count_ones();
+            while hints.len() * HINT < before as usize {
+                hints.push(word);
+            }
+        }
+        let (rank, hints) = (Arc::new(rank), Arc::new(hints));
         let (occupancy, links, cut_diagonals) =
             (Arc::new(occupancy), Arc::new(links), cut_diagonals.map(Arc::new));
-        Ok(Self { frame, occupancy, links, cut_diagonals, rank, len })
+        Ok(Self { frame, occupancy, links, cut_diagonals, rank, hints, len })
     }
 
     /// Size and place of the grid.
@@ -189,31 +212,40 @@ impl VoxelGrid {
 
     /// The occupied voxel with a number, which must be below [`len`](Self::len).
     pub fn voxel(&self, number: u32) -> [u32; 3] {
-        let word = self.word_of(number);
-        let bits = &mut Bits(self.occupancy.words()[word]);
-        let bit = bits.nth((number - self.rank[word]) as usize);
-        self.occupancy.voxel(word, bit.unwrap_or_default())
+        let (word, bit) = self.position_of(number);
+        self.occupancy.voxel(word, bit)
     }
 
     /// The occupied voxels with these numbers, each below [`len`](Self::len). It is fast where they ascend.
     pub fn voxels_of<'a>(&'a self, numbers: &'a [u32]) -> impl Iterator<Item = [u32; 3]> + 'a {
-        // A word, its bits from the one with a number on, and that number.
-        let (mut word, mut bits, mut next) = (0, Bits(0), 0);
+        // The voxel of a word's first bit, its bits from the one with a number on, and that number.
+        let (mut first, mut bits, mut next) = ([0; 3], Bits(0), 0);
         numbers.iter().map(move |&number| {
             if number < next || number - next >= bits.0.count_ones() {
-                word = self.word_of(number);
+                let word = self.word_of(number);
+                first = self.occupancy.voxel(word, 0);
                 (bits, next) = (Bits(self.occupancy.words()[word]), self.rank[word]);
             }
-            let bit = bits.nth((number - next) as usize);
+            let bit = bits.nth((number - next) as usize).unwrap_or_default();
             next = number + 1;
-            self.occupancy.voxel(word, bit.unwrap_or_default())
+            [first[0] + bit, first[1], first[2]]
         })
     }
 
     /// The word that holds the voxel with a number: of words that begin with the same number all but the last are empty.
     #[inline]
     fn word_of(&self, number: u32) -> usize {
-        self.rank.partition_point(|&before| before <= number) - 1
+        let hint = number as usize / HINT;
+        let (first, last) =
+            (self.hints[hint], self.hints.get(hint + 1).map_or(self.rank.len(), |last| last + 1));
+        first + self.rank[first..last].partition_point(|&before| before <= number) - 1
+    }
+
+    /// The word and the bit in it that hold the voxel with a number.
+    #[inline]
+    fn position_of(&self, number: u32) -> (usize, u32) {
+        let word = self.word_of(number);
+        (word, nth_bit(self.occupancy.words()[word], number - self.rank[word]))
     }
 
     /// The linked pairs of face neighbours along an axis, as voxel numbers, the smaller first,
@@ -245,37 +277,66 @@ impl VoxelGrid {
         Graph::from_edges(self.len, &edges)
     }
 
-    /// The graph of voxels that are linked through faces, from the words of bits: what comes before a voxel and after it is met
-    /// in order, so that nothing has to be sorted.
+    /// The linked neighbours of each voxel of a range of numbers, from the bits: no list is made.
+    ///
+    /// ```
+    /// # use mser3d_shape::{BitGrid, Frame, VoxelGrid};
+    /// let frame = Frame::new([3, 2, 1], [0.0; 3], [1.0; 3])?;
+    /// let grid = VoxelGrid::solid(frame, BitGrid::full([3, 2, 1])?)?;
+    /// let along_x: Vec<_> = grid.faces(3..6).map(|faces| faces.0[0]).collect();
+    /// assert_eq!(along_x, [[None, Some(4)], [Some(3), Some(5)], [Some(4), None]]);
+    /// # Ok::<(), mser3d_shape::ShapeError>(())
+    /// ```
+    #[inline]
+    pub fn faces(&self, voxels: Range<u32>) -> impl Iterator<Item = Faces> + '_ {
+        let (first, bit) =
+            if voxels.is_empty() { (self.rank.len(), 0) } else { self.position_of(voxels.start) };
+        let bits_of = move |word: usize| {
+            self.occupancy.words()[word] & if word == first { u64::MAX << bit } else { u64::MAX }
+        };
+        let of_word = move |word: usize| Bits(bits_of(word)).map(move |bit| (word, bit));
+        let places = (first..self.rank.len()).flat_map(of_word);
+        voxels.zip(places).map(|(voxel, (word, bit))| self.faces_at(voxel, word, bit))
+    }
+
+    /// The linked neighbours of one voxel.
+    #[inline]
+    pub fn faces_of(&self, voxel: u32) -> Faces {
+        let (word, bit) = self.position_of(voxel);
+        self.faces_at(voxel, word, bit)
+    }
+
+    #[inline]
+    fn faces_at(&self, voxel: u32, word: usize, bit: u32) -> Faces {
+        let (inside, [x, y, z]) = (self.occupancy.words(), self.links.each_ref().map(BitGrid::words));
+        let (row, slab) = (self.occupancy.row_words(), self.occupancy.row_words() * self.occupancy.dims()[1]);
+        let has = |links: u64| links >> bit & 1 == 1;
+        let number = |word: usize| self.rank[word] + (inside[word] & ((1 << bit) - 1)).count_ones();
+        let before = |links: &[u64], stride: usize| {
+            (word >= stride && has(links[word - stride])).then(|| number(word - stride))
+        };
+        let after = |links: &[u64], stride: usize| has(links[word]).then(|| number(word + stride));
+        // The link from the voxel before is its bit, or the last one of the word before in the row.
+        let back = match bit {
+            0 => !word.is_multiple_of(row) && x[word - 1] >> 63 == 1,
+            _ => x[word] >> (bit - 1) & 1 == 1,
+        };
+        Faces([
+            [back.then(|| voxel - 1), has(x[word]).then(|| voxel + 1)],
+            [before(y, row), after(y, row)],
+            [before(z, slab), after(z, slab)],
+        ])
+    }
+
+    /// The graph of voxels that are linked through faces. Neighbours are met in order, so that nothing has to be sorted.
     fn graph_of_faces(&self) -> Graph {
-        let (inside, [x, y, z]) = (&self.occupancy, self.links.each_ref().map(BitGrid::words));
-        let (row, slab) = (inside.row_words(), inside.row_words() * inside.dims()[1]);
         let links: usize = self.links.iter().map(BitGrid::count_ones).sum();
         let mut offsets = Vec::with_capacity(self.len + 1);
         offsets.push(0);
         let mut neighbours = Vec::with_capacity(2 * links);
-        for (word, &bits) in inside.words().iter().enumerate().filter(|(_, bits)| **bits != 0) {
-            let at = |word: usize, bit: u32| {
-                self.rank[word] + (inside.words()[word] & ((1 << bit) - 1)).count_ones()
-            };
-            let before = |links: &[u64], stride: usize| if word < stride { 0 } else { links[word - stride] };
-            let (back_y, back_z) = (before(y, row), before(z, slab));
-            let carried = if word.is_multiple_of(row) { 0 } else { x[word - 1] >> 63 };
-            let back_x = x[word] << 1 | carried;
-            for (voxel, bit) in (self.rank[word]..).zip(Bits(bits)) {
-                let mut push = |links: u64, neighbour: &dyn Fn() -> u32| {
-                    if links >> bit & 1 == 1 {
-                        neighbours.push(neighbour());
-                    }
-                };
-                push(back_z, &|| at(word - slab, bit));
-                push(back_y, &|| at(word - row, bit));
-                push(back_x, &|| voxel - 1);
-                push(x[word], &|| voxel + 1);
-                push(y[word], &|| at(word + row, bit));
-                push(z[word], &|| at(word + slab, bit));
-                offsets.push(neighbours.len());
-            }
+        for faces in self.faces(0..self.len as u32) {
+            faces.ascending().for_each(|(neighbour, _)| neighbours.push(neighbour));
+            offsets.push(neighbours.len());
         }
         Graph::from_rows(offsets, neighbours)
     }
@@ -361,6 +422,21 @@ fn check_size(frame: &Frame, bits: &BitGrid) -> Result<(), ShapeError> {
     }
 }
 
+/// Which bit of a word is the one with so many set bits before it.
+#[inline]
+fn nth_bit(mut bits: u64, mut before: u32) -> u32 {
+    let mut at = 0;
+    for width in [32, 16, 8, 4, 2, 1] {
+        let low = (bits & ((1 << width) - 1)).count_ones();
+        if before >= low {
+            before -= low;
+            bits >>= width;
+            at += width;
+        }
+    }
+    at
+}
+
 /// The voxels whose neighbour along +axis is inside too.
 fn inner_neighbours(inside: &BitGrid, axis: usize) -> BitGrid {
     let mut result = inside.clone();
@@ -410,6 +486,15 @@ mod tests {
             let edges: Vec<[u32; 2]> = (0..3).flat_map(|axis| grid.linked_pairs(axis)).collect();
             let expected = Graph::from_edges(grid.len(), &edges);
             assert_eq!(grid.graph(Connectivity::Six), expected);
+            let all: Vec<_> = grid.faces(0..grid.len() as u32).collect();
+            for voxel in 0..grid.len() as u32 {
+                assert_eq!(grid.faces_of(voxel), all[voxel as usize]);
+            }
+            for range in [0..1, 0..0, 3..40, 20..grid.len() as u32] {
+                let range = range.start.min(grid.len() as u32)..range.end.min(grid.len() as u32);
+                let expected = &all[range.start as usize..range.end.max(range.start) as usize];
+                assert_eq!(grid.faces(range).collect::<Vec<_>>(), expected);
+            }
         }
     }
 

@@ -55,7 +55,7 @@ pub use eigenbasis::{Domain, Eigenbasis, EigenbasisView};
 pub use error::ShapeError;
 pub use frame::Frame;
 pub use graph::{Components, Graph};
-pub use grid::{Connectivity, DIAGONALS, VoxelGrid};
+pub use grid::{Connectivity, DIAGONALS, Faces, VoxelGrid};
 pub use index_set::{IndexSet, innermost_regions};
 pub use mesh::{BoundingBox, TriangleMesh};
 pub use nearest::NearestVoxels;

@@ -67,6 +67,7 @@ fn all(levels: &Levels<'_>, smallest: f64) -> Vec<Branch> {
             node = fork.main.filter(|&c| !branch.forked && tree.volume(c) >= smallest / 2.0);
         }
         branch.nodes.reverse();
+        branch.nodes.shrink_to_fit();
         branch.measure(levels);
         if let Some(merged) = tree.parent(top) {
             branch.end = levels.of(merged);
@@ -97,6 +98,7 @@ impl Branch {
     /// largest node counts.
     fn measure(&mut self, levels: &Levels<'_>) {
         let mut kept = 0;
+        self.levels.reserve_exact(self.nodes.len());
         for at in 0..self.nodes.len() {
             let (node, level) = (self.nodes[at], levels.of(self.nodes[at]));
             if self.levels.last() == Some(&level) {

@@ -4,22 +4,24 @@ use std::borrow::Cow;
 
 use mser3d_comptree::ComponentTree;
 use mser3d_shape::vector::{norm, sub};
-use mser3d_shape::{Connectivity, TriangleMesh};
+use mser3d_shape::{Connectivity, Faces, TriangleMesh, VoxelGrid};
 
+use crate::weighing::KEPT_ELEMENTS;
 use crate::{DiscreteShape, Elements, Error};
 
 /// The linked neighbours of each element, and the border that it shares with each: the area of a voxel's face, or on a
 /// surface the length of the border between the cells around two vertices.
 #[derive(Clone)]
-pub(super) struct Links {
-    offsets: Vec<usize>,
-    to: Vec<u32>,
-    borders: Borders,
+pub(super) enum Links {
+    /// Neighbours in rows, and where these begin.
+    Listed { offsets: Vec<usize>, to: Vec<u32>, borders: Borders },
+    /// Those of a large grid, which lists would take too much memory for; and the area of a face across each axis.
+    OfGrid(VoxelGrid, [f64; 3]),
 }
 
 /// The area of each border, or of all of them: voxels are mostly cubes, and what is not there has not to be read.
 #[derive(Clone)]
-enum Borders {
+pub(super) enum Borders {
     Each(Vec<f64>),
     Alike(f64),
 }
@@ -30,15 +32,26 @@ impl Links {
         match shape.elements() {
             Elements::Voxels { grid, .. } => {
                 let spacing = grid.frame().spacing();
-                let face = |axis: usize| spacing[(axis + 1) % 3] * spacing[(axis + 2) % 3];
-                if face(0) == face(1) && face(1) == face(2) {
-                    let (offsets, to) = grid.graph(Connectivity::Six)?.into_rows();
-                    return Ok(Self { offsets, to, borders: Borders::Alike(face(0)) });
+                let faces = [0, 1, 2].map(|axis: usize| spacing[(axis + 1) % 3] * spacing[(axis + 2) % 3]);
+                if grid.len() > KEPT_ELEMENTS {
+                    return Ok(Self::OfGrid(grid.clone(), faces));
                 }
-                let pairs = (0..3).flat_map(|axis| grid.linked_pairs(axis).map(move |p| (p, face(axis))));
+                if faces[0] == faces[1] && faces[1] == faces[2] {
+                    let (offsets, to) = grid.graph(Connectivity::Six)?.into_rows();
+                    return Ok(Self::Listed { offsets, to, borders: Borders::Alike(faces[0]) });
+                }
+                let pairs = (0..3).flat_map(|axis| grid.linked_pairs(axis).map(move |p| (p, faces[axis])));
                 Ok(Self::of_pairs(grid.len(), &pairs.collect::<Vec<_>>()))
             }
             Elements::Vertices { mesh, .. } => Ok(Self::of_mesh(mesh)),
+        }
+    }
+
+    /// Number of elements.
+    fn len(&self) -> usize {
+        match self {
+            Self::Listed { offsets, .. } => offsets.len() - 1,
+            Self::OfGrid(grid, _) => grid.len(),
         }
     }
 
@@ -72,41 +85,52 @@ impl Links {
             }
             (start, offsets[v + 1]) = (ends[v], to.len());
         }
-        Self { offsets, to, borders: Borders::Each(areas) }
+        Self::Listed { offsets, to, borders: Borders::Each(areas) }
     }
 
     /// The neighbours of an element, ascending, and the border shared with each.
     #[inline]
     pub fn around(&self, element: u32) -> impl Iterator<Item = (u32, f64)> + '_ {
-        let range = self.offsets[element as usize]..self.offsets[element as usize + 1];
-        let (each, alike) = match &self.borders {
-            Borders::Each(areas) => (&areas[range.clone()], 0.0),
-            Borders::Alike(area) => (&[][..], *area),
+        let (listed, each, alike, faces) = match self {
+            Self::Listed { offsets, to, borders } => {
+                let range = offsets[element as usize]..offsets[element as usize + 1];
+                let (each, alike) = match borders {
+                    Borders::Each(areas) => (&areas[range.clone()], 0.0),
+                    Borders::Alike(area) => (&[][..], *area),
+                };
+                (&to[range], each, alike, None)
+            }
+            Self::OfGrid(grid, areas) => (&[][..], &[][..], 0.0, Some((grid.faces_of(element), areas))),
         };
         let area = move |i: usize| each.get(i).copied().unwrap_or(alike);
-        self.to[range].iter().enumerate().map(move |(i, &to)| (to, area(i)))
+        let listed = listed.iter().enumerate().map(move |(i, &to)| (to, area(i)));
+        let across = |(faces, areas): (Faces, &[f64; 3])| {
+            let areas = *areas;
+            faces.ascending().map(move |(to, axis)| (to, areas[axis]))
+        };
+        listed.chain(faces.into_iter().flat_map(across))
     }
 
     /// The same of some elements, ascending, numbered by their places among them.
     fn among(&self, elements: &[u32]) -> Self {
-        let mut number = vec![u32::MAX; self.offsets.len() - 1];
+        let mut number = vec![u32::MAX; self.len()];
         elements.iter().zip(0..).for_each(|(&element, place)| number[element as usize] = place);
+        let alike = match self {
+            Self::Listed { borders: Borders::Alike(area), .. } => Some(*area),
+            _ => None,
+        };
         let (mut offsets, mut to, mut areas) = (vec![0], Vec::new(), Vec::new());
         for &element in elements {
             for (other, area) in self.around(element).filter(|(other, _)| number[*other as usize] != u32::MAX)
             {
                 to.push(number[other as usize]);
-                if let Borders::Each(_) = self.borders {
+                if alike.is_none() {
                     areas.push(area);
                 }
             }
             offsets.push(to.len());
         }
-        let borders = match self.borders {
-            Borders::Each(_) => Borders::Each(areas),
-            Borders::Alike(area) => Borders::Alike(area),
-        };
-        Self { offsets, to, borders }
+        Self::Listed { offsets, to, borders: alike.map_or(Borders::Each(areas), Borders::Alike) }
     }
 }
 
@@ -122,7 +146,7 @@ pub(super) struct BodyLinks<'b> {
 impl<'b> BodyLinks<'b> {
     pub fn new(elements: &'b [u32], links: &'b Links, mass: &'b [f64]) -> Self {
         // Mostly a body is all there is.
-        let all = elements.len() + 1 == links.offsets.len();
+        let all = elements.len() == links.len();
         let links = if all { Cow::Borrowed(links) } else { Cow::Owned(links.among(elements)) };
         Self { elements, links, mass }
     }
@@ -195,13 +219,13 @@ pub(super) fn narrowest(
         let from = elements[v as usize];
         let own = depth[from as usize];
         let mut less = change[own as usize];
-        for (to, area) in links.around(from) {
+        links.around(from).for_each(|(to, area)| {
             let other = depth[to as usize];
             if own > other {
                 change[other as usize] += area;
                 less -= area;
             }
-        }
+        });
         change[own as usize] = less;
     }
     tree.vertices(top).iter().for_each(|&v| depth[elements[v as usize] as usize] = 0);
@@ -230,4 +254,32 @@ pub(super) fn down(tree: &ComponentTree, top: u32, smallest: f64) -> Vec<u32> {
         tree.children(node).max_by(order).filter(|&child| tree.volume(child) >= smallest)
     };
     std::iter::successors(Some(top), largest).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mser3d_shape::{BitGrid, Frame, SplitMix64};
+
+    #[test]
+    fn the_links_of_a_large_grid_are_those_that_are_listed() {
+        let (dims, mut random) = ([40, 7, 5], SplitMix64::new(3));
+        for spacing in [[1.0; 3], [1.0, 2.0, 3.0]] {
+            let frame = Frame::new(dims, [0.0; 3], spacing).unwrap();
+            let mut inside = BitGrid::empty(dims).unwrap();
+            let all = BitGrid::full(dims).unwrap();
+            all.ones().filter(|_| random.uniform() < 0.8).for_each(|voxel| inside.set(voxel, true));
+            let grid = VoxelGrid::solid(frame, inside).unwrap();
+            let [x, y, z] = spacing;
+            let of_grid = Links::OfGrid(grid.clone(), [y * z, z * x, x * y]);
+            let listed = Links::of(&DiscreteShape::solid(grid, Connectivity::Six)).unwrap();
+            assert_eq!(of_grid.len(), listed.len());
+            for voxel in 0..listed.len() as u32 {
+                assert!(of_grid.around(voxel).eq(listed.around(voxel)));
+            }
+            let some: Vec<u32> = (0..listed.len() as u32).step_by(3).collect();
+            let (a, b) = (of_grid.among(&some), listed.among(&some));
+            assert!((0..a.len() as u32).all(|element| a.around(element).eq(b.around(element))));
+        }
+    }
 }

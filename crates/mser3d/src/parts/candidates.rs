@@ -7,13 +7,14 @@ use std::ops::Range;
 use mser3d_comptree::{
     AltitudeScale, ComponentTree, Merge, StabilityParameters, StabilityRule, StableRegion, stable_regions,
 };
-use mser3d_descriptors::{HksParameters, TimeScale, hks};
+use mser3d_descriptors::{Descriptors, HksParameters, TimeScale, hks};
 use mser3d_shape::{Domain, Eigenbasis, IndexSet};
 use rayon::prelude::*;
 
 use super::PartParameters;
 use super::borders::{Bordered, Links, down, narrowest};
 use super::twins::{like_volume, twin_groups};
+use crate::weighing::KEPT_ELEMENTS;
 use crate::{Error, Features};
 
 /// The share of a region that its part keeps at least when its border is moved to a narrow place.
@@ -130,7 +131,8 @@ impl Candidates {
             (0..features.trees.len()).filter(|&tree| features.trees[tree].body == body).collect();
         let kept = own.iter().all(|&tree| features.trees[tree].tree.is_some());
         let at_a_time = if kept { 1 } else { own.len() };
-        let of_tree = |tree: usize| Self::of_tree(features, tree, links, mass, parameters);
+        let heat = Heat::new(&features.bodies[body].basis)?;
+        let of_tree = |tree: usize| Self::of_tree(features, tree, &heat, links, mass, parameters);
         let found: Vec<Self> =
             own.into_par_iter().with_min_len(at_a_time).map(of_tree).collect::<Result<_, Error>>()?;
         let mut all = Self { all: Vec::new(), groups: Vec::new() };
@@ -146,6 +148,7 @@ impl Candidates {
     fn of_tree(
         features: &Features,
         number: usize,
+        heat: &Heat,
         links: &Links,
         mass: &[f64],
         parameters: &PartParameters,
@@ -154,9 +157,10 @@ impl Candidates {
         let body = features.trees[number].body;
         let searched = &features.bodies[body];
         let rule = stability(&features.parameters.stability, parameters);
+        let tops = stable_regions(tree, &rule)?.regions;
         let mut depth = vec![0; features.shape.len()];
         let mut found: Vec<Narrowed> = Vec::new();
-        for top in stable_regions(tree, &rule)?.regions {
+        for top in tops {
             let place = narrowest(tree, &searched.elements, top.node, KEPT, links, &mut depth);
             // Of several with one border, such as a limb and a chance union of it with a little more, the one that lasts.
             match found.iter_mut().find(|other| other.place.node == place.node) {
@@ -165,7 +169,7 @@ impl Candidates {
                 None => found.push(Narrowed { top, place }),
             }
         }
-        let groups = groups(&searched.basis, tree, &found)?;
+        let groups = groups(heat, tree, &found)?;
         // The border of twins is where that of the smallest is.
         for group in &groups {
             let smallest = group.iter().map(|&c| found[c].place.volume).fold(f64::INFINITY, f64::min);
@@ -213,7 +217,7 @@ fn stability(own: &StabilityParameters, parameters: &PartParameters) -> Stabilit
 
 /// Groups of twins among regions of a tree: those that end alike. They are described by the logarithm of their mean heat
 /// kernel at some times, both cut off where they have the same volume.
-fn groups(basis: &Eigenbasis, tree: &ComponentTree, found: &[Narrowed]) -> Result<Vec<Vec<usize>>, Error> {
+fn groups(heat: &Heat, tree: &ComponentTree, found: &[Narrowed]) -> Result<Vec<Vec<usize>>, Error> {
     let volumes: Vec<f64> = found.iter().map(|c| c.place.volume).collect();
     let may_be_twins = |a: usize, b: usize| {
         let (a, b) = (&found[a], &found[b]);
@@ -227,7 +231,7 @@ fn groups(basis: &Eigenbasis, tree: &ComponentTree, found: &[Narrowed]) -> Resul
     };
     let pairs = (0..found.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
     let compared = pairs.filter(|&(a, b)| like_volume(volumes[a], volumes[b]) && may_be_twins(a, b));
-    let heat = mean_heat(basis, tree, compared.flat_map(|(a, b)| cut_alike(a, b)).collect())?;
+    let heat = heat.means(tree, compared.flat_map(|(a, b)| cut_alike(a, b)).collect())?;
     let distance = |a: usize, b: usize| {
         let [a, b] = cut_alike(a, b).map(|node| heat[&node].map(f64::ln));
         let squares: f64 = a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum();
@@ -236,45 +240,76 @@ fn groups(basis: &Eigenbasis, tree: &ComponentTree, found: &[Narrowed]) -> Resul
     Ok(twin_groups(&volumes, |a, b| may_be_twins(a, b).then(|| distance(a, b))))
 }
 
-/// Elements whose heat kernel is known at a time.
+/// Elements whose heat kernel is looked at at a time.
 const BLOCK: usize = 1 << 14;
 
-/// The mean heat kernel of some nodes of a tree at some times.
-fn mean_heat(
-    basis: &Eigenbasis,
-    tree: &ComponentTree,
-    nodes: BTreeSet<u32>,
-) -> Result<BTreeMap<u32, [f64; TWIN_TIMES.len()]>, Error> {
-    // The unit is that of the whole basis, which is not asked for with each block.
-    let unit = basis.unit_time();
-    let times = HksParameters { times: TWIN_TIMES.map(|time| TimeScale::Absolute(time * unit)).to_vec() };
-    let mut sums: Vec<(u32, Range<usize>, [f64; TWIN_TIMES.len()])> =
-        nodes.into_iter().map(|node| (node, tree.slice(node), [0.0; TWIN_TIMES.len()])).collect();
-    sums.sort_by_key(|(_, slice, _)| slice.start);
-    // Slices are nested or disjoint, and each element is asked for once.
-    let mut next = 0;
-    for number in 0..sums.len() {
-        let end = sums[number].1.end;
-        next = next.max(sums[number].1.start);
-        while next < end {
-            let block = next..end.min(next + BLOCK);
-            let elements = &tree.permutation()[block.clone()];
-            let rows = hks(basis, &times, Some(elements))?;
-            let reached = sums[number..].iter_mut().take_while(|(_, slice, _)| slice.start < block.end);
-            for (_, slice, sums) in reached {
-                let own = slice.start.max(block.start)..slice.end.min(block.end);
-                for at in own {
-                    let (row, mass) = (at - block.start, basis.mass()[elements[at - block.start] as usize]);
-                    sums.iter_mut().zip(rows.row(row)).for_each(|(sum, h)| *sum += mass * h);
-                }
-            }
-            next = block.end;
-        }
-    }
-    let mean =
-        |(node, _, sums): (u32, _, [f64; TWIN_TIMES.len()])| (node, sums.map(|sum| sum / tree.volume(node)));
-    Ok(sums.into_iter().map(mean).collect())
+/// The heat kernel of elements at the times at which candidates are compared.
+struct Heat<'b> {
+    basis: &'b Eigenbasis,
+    times: HksParameters,
+    /// That of all elements, unless the shape is large.
+    all: Option<Descriptors>,
 }
+
+impl<'b> Heat<'b> {
+    fn new(basis: &'b Eigenbasis) -> Result<Self, Error> {
+        // The unit is that of the whole basis, which is not asked for with each block.
+        let unit = basis.unit_time();
+        let times = HksParameters { times: TWIN_TIMES.map(|time| TimeScale::Absolute(time * unit)).to_vec() };
+        let all = (basis.mass().len() <= KEPT_ELEMENTS).then(|| hks(basis, &times, None)).transpose()?;
+        Ok(Self { basis, times, all })
+    }
+
+    /// Adds that of some elements, times their mass, to sums; each takes those in its range of places.
+    fn add(&self, elements: &[u32], sums: &mut [(Range<usize>, &mut Sums)]) -> Result<(), Error> {
+        let made = match self.all {
+            Some(_) => None,
+            None => Some(hks(self.basis, &self.times, Some(elements))?),
+        };
+        let row = |place: usize| match (&self.all, &made) {
+            (Some(all), _) => all.row(elements[place] as usize),
+            (None, Some(made)) => made.row(place),
+            (None, None) => &[],
+        };
+        for (places, sums) in sums {
+            for place in places.clone() {
+                let mass = self.basis.mass()[elements[place] as usize];
+                sums.iter_mut().zip(row(place)).for_each(|(sum, h)| *sum += mass * h);
+            }
+        }
+        Ok(())
+    }
+
+    /// The mean over some nodes of a tree.
+    fn means(&self, tree: &ComponentTree, nodes: BTreeSet<u32>) -> Result<BTreeMap<u32, Sums>, Error> {
+        let mut sums: Vec<(u32, Range<usize>, Sums)> =
+            nodes.into_iter().map(|node| (node, tree.slice(node), Sums::default())).collect();
+        sums.sort_by_key(|(_, slice, _)| slice.start);
+        // Slices are nested or disjoint, and each element is looked at once.
+        let mut next = 0;
+        for number in 0..sums.len() {
+            let end = sums[number].1.end;
+            next = next.max(sums[number].1.start);
+            while next < end {
+                let block = next..end.min(next + BLOCK);
+                let within = |slice: &Range<usize>| {
+                    slice.start.max(block.start) - block.start
+                        ..slice.end.clamp(block.start, block.end) - block.start
+                };
+                let reached = sums[number..].iter_mut().take_while(|(_, slice, _)| slice.start < block.end);
+                let mut reached: Vec<(Range<usize>, &mut Sums)> =
+                    reached.map(|(_, slice, sums)| (within(slice), sums)).collect();
+                self.add(&tree.permutation()[block.clone()], &mut reached)?;
+                next = block.end;
+            }
+        }
+        let mean = |(node, _, sums): (u32, _, Sums)| (node, sums.map(|sum| sum / tree.volume(node)));
+        Ok(sums.into_iter().map(mean).collect())
+    }
+}
+
+/// A number for each time.
+type Sums = [f64; TWIN_TIMES.len()];
 
 /// The node down the branch that has about this volume, or the node itself where there is none.
 fn cut_off(tree: &ComponentTree, node: u32, volume: f64) -> u32 {
@@ -306,4 +341,34 @@ fn stands_for(
         }
     }
     Ok(best.1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mser3d_comptree::Polarity;
+
+    #[test]
+    fn means_that_are_made_as_they_come_are_those_of_a_table() {
+        let count = 3 * BLOCK;
+        let functions = (0..2 * count).map(|i| (i as f64 * 0.37).sin()).collect();
+        let basis = Eigenbasis::new(Domain::Volume, vec![0.5; count], vec![0.0, 1.0], functions).unwrap();
+        let edges: Vec<[u32; 2]> = (1..count as u32).map(|v| [v - 1, v]).collect();
+        let heights: Vec<f64> = (0..count).map(|i| (i as f64 * 1e-3).sin() + 1e-6 * i as f64).collect();
+        let tree =
+            ComponentTree::from_vertex_weights(&edges, &heights, basis.mass(), Polarity::Sublevel).unwrap();
+        let nodes: BTreeSet<u32> = (0..tree.len() as u32).rev().step_by(1777).collect();
+        let kept = Heat::new(&basis).unwrap();
+        let none = Heat { all: None, ..Heat::new(&basis).unwrap() };
+        let (means, table) = (none.means(&tree, nodes.clone()).unwrap(), kept.all.as_ref().unwrap());
+        assert_eq!(means, kept.means(&tree, nodes.clone()).unwrap());
+        for node in nodes {
+            let mut sums = Sums::default();
+            for &v in tree.vertices(node) {
+                let mass = basis.mass()[v as usize];
+                sums.iter_mut().zip(table.row(v as usize)).for_each(|(sum, h)| *sum += mass * h);
+            }
+            assert_eq!(means[&node], sums.map(|sum| sum / tree.volume(node)));
+        }
+    }
 }

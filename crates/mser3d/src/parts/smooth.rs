@@ -67,18 +67,24 @@ fn smooth(labels: &mut [u32], parts: usize, body: &BodyLinks, steps: usize) {
     let band = band(labels, body, steps);
     let border = |&v: &u32| body.around(v).fold(0.0, |total, (_, area)| total + area);
     let borders: Vec<f64> = band.iter().map(border).collect();
+    // The place of each element in the band; outside of it nothing changes.
+    let mut place = vec![u32::MAX; labels.len()];
+    band.iter().zip(0..).for_each(|(&v, at)| place[v as usize] = at);
     let share = |part: u32| -> Vec<f64> {
-        let mut now: Vec<f64> = labels.iter().map(|&l| f64::from(u8::from(l == part))).collect();
+        let indicator = |v: u32| f64::from(u8::from(labels[v as usize] == part));
+        let mut now: Vec<f64> = band.iter().map(|&v| indicator(v)).collect();
         let mut next = now.clone();
         for _ in 0..steps {
-            for (&v, &total) in band.iter().zip(&borders) {
-                let sum = body.around(v).fold(0.0, |sum, (to, area)| sum + area * now[to as usize]);
-                let mean = if total > 0.0 { sum / total } else { now[v as usize] };
-                next[v as usize] = 0.5 * (now[v as usize] + mean);
+            for (at, (&v, &total)) in band.iter().zip(&borders).enumerate() {
+                let of =
+                    |v: u32| now.get(place[v as usize] as usize).copied().unwrap_or_else(|| indicator(v));
+                let sum = body.around(v).fold(0.0, |sum, (to, area)| sum + area * of(to));
+                let mean = if total > 0.0 { sum / total } else { now[at] };
+                next[at] = 0.5 * (now[at] + mean);
             }
             std::mem::swap(&mut now, &mut next);
         }
-        band.iter().map(|&v| now[v as usize]).collect()
+        now
     };
     let shares: Vec<Vec<f64>> = (0..parts as u32).into_par_iter().map(share).collect();
     let mut best: Vec<(f64, u32)> = vec![(f64::NEG_INFINITY, 0); band.len()];
