@@ -25,28 +25,30 @@ impl OrientedBox {
         half_edges: [[f64; 3]; 3],
     ) -> Self {
         let [mut total, mut centroid, mut covariance] = [[0.0; 6]; 3];
-        positions.for_each_of(elements, |e, p| {
+        let mut placed: Vec<[f64; 3]> = Vec::with_capacity(elements.len());
+        positions.for_each_of(elements, |_, position| placed.push(position));
+        for (&e, p) in elements.iter().zip(&placed) {
             let m = mass[e as usize];
             total[0] += m;
             (0..3).for_each(|a| centroid[a] += m * p[a]);
-        });
+        }
         let centroid: [f64; 3] = std::array::from_fn(|a| centroid[a] / total[0]);
-        positions.for_each_of(elements, |e, position| {
+        for (&e, &position) in elements.iter().zip(&placed) {
             let (m, p) = (mass[e as usize], sub(position, centroid));
             for (place, (a, b)) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].into_iter().enumerate() {
                 covariance[place] += m * p[a] * p[b] / total[0];
             }
-        });
+        }
         let moments = Moments { volume: total[0], centroid, covariance };
         let axes = Ellipsoid::fit(&moments, 3).axes;
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        positions.for_each_of(elements, |_, position| {
+        for &position in &placed {
             let from = sub(position, centroid);
             for a in 0..3 {
                 let along = dot(from, axes[a]);
                 (low[a], high[a]) = (low[a].min(along), high[a].max(along));
             }
-        });
+        }
         let reach = axes.map(|axis| half_edges.iter().map(|&half| dot(axis, half).abs()).sum::<f64>());
         let middle = |a: usize| (low[a] + high[a]) / 2.0;
         let centre = (0..3).fold(centroid, |c, a| add(c, scale(axes[a], middle(a))));

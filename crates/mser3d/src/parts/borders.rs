@@ -89,7 +89,8 @@ impl Links {
     }
 
     /// The neighbours of an element, ascending, and the border shared with each.
-    #[inline]
+    // Where it is not inlined, each look at a neighbour decides what links are.
+    #[inline(always)]
     pub fn around(&self, element: u32) -> impl Iterator<Item = (u32, f64)> + '_ {
         let (listed, each, alike, faces) = match self {
             Self::Listed { offsets, to, borders } => {

@@ -67,23 +67,32 @@ fn smooth(labels: &mut [u32], parts: usize, body: &BodyLinks, steps: usize) {
     let band = band(labels, body, steps);
     let border = |&v: &u32| body.around(v).fold(0.0, |total, (_, area)| total + area);
     let borders: Vec<f64> = band.iter().map(border).collect();
-    // The place of each element in the band; outside of it nothing changes.
+    // The place of each element of the band, and after them of what is around it, where nothing changes.
     let mut place = vec![u32::MAX; labels.len()];
     band.iter().zip(0..).for_each(|(&v, at)| place[v as usize] = at);
+    let mut wider = band.clone();
+    for &v in &band {
+        body.around(v).for_each(|(to, _)| {
+            if place[to as usize] == u32::MAX {
+                place[to as usize] = wider.len() as u32;
+                wider.push(to);
+            }
+        });
+    }
     let share = |part: u32| -> Vec<f64> {
-        let indicator = |v: u32| f64::from(u8::from(labels[v as usize] == part));
-        let mut now: Vec<f64> = band.iter().map(|&v| indicator(v)).collect();
+        let mut now: Vec<f64> =
+            wider.iter().map(|&v| f64::from(u8::from(labels[v as usize] == part))).collect();
         let mut next = now.clone();
         for _ in 0..steps {
             for (at, (&v, &total)) in band.iter().zip(&borders).enumerate() {
-                let of =
-                    |v: u32| now.get(place[v as usize] as usize).copied().unwrap_or_else(|| indicator(v));
-                let sum = body.around(v).fold(0.0, |sum, (to, area)| sum + area * of(to));
+                let sum =
+                    body.around(v).fold(0.0, |sum, (to, area)| sum + area * now[place[to as usize] as usize]);
                 let mean = if total > 0.0 { sum / total } else { now[at] };
                 next[at] = 0.5 * (now[at] + mean);
             }
             std::mem::swap(&mut now, &mut next);
         }
+        now.truncate(band.len());
         now
     };
     let shares: Vec<Vec<f64>> = (0..parts as u32).into_par_iter().map(share).collect();
