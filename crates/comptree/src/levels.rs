@@ -129,7 +129,7 @@ mod tests {
         expected.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (mut level, mut last) = (f64::NAN, f64::NAN);
         for (weight, _) in &mut expected {
-            if !(*weight - last <= 1e-7 * weight.abs().max(last.abs())) {
+            if last.is_nan() || *weight - last > 1e-7 * weight.abs().max(last.abs()) {
                 level = *weight;
             }
             last = *weight;
