@@ -177,7 +177,7 @@ fn read(
         return Err(None);
     }
     let mut arrays = read_npz(path).map_err(|e| Some(e.to_string()))?;
-    let mut take = |name: &str| arrays.remove(name).map(|array| array.values().clone());
+    let mut take = |name: &str| arrays.remove(name).map(NpyArray::into_values);
     let spectrum = (|| {
         let NpyValues::U8(stored_key) = take("key")? else { return None };
         let NpyValues::U8(solver) = take("solver")? else { return None };
