@@ -5,7 +5,7 @@ use mser3d_shape::{Eigenbasis, TriangleMesh, VoxelGrid};
 use pulp::Arch;
 use rayon::prelude::*;
 
-use crate::{DescriptorError, TimeScale, spectral_sums};
+use crate::{DescriptorError, TimeScale, spectral_sums, vertex_subset::VertexSubset};
 
 /// Elements that are summed one after the other. Sums of blocks are added in order, so that threads make no difference.
 const BLOCK: usize = 1 << 12;
@@ -215,14 +215,14 @@ fn project(
         .into_par_iter()
         .map(|block| {
             let (mut squares, mut sums) = (vec![0.0; fields], vec![0.0; fields * modes]);
-            let mut values = vec![0.0; fields];
+            let (mut values, mut scratch) = (vec![0.0; fields], Vec::new());
             let mut parts: Vec<(usize, f64)> = Vec::with_capacity(3);
             for place in block * BLOCK..places.min((block + 1) * BLOCK) {
                 parts.clear();
                 at(place, &mut values, &mut |element, measure| parts.push((element, measure)));
                 for &(element, measure) in &parts {
                     let rows = sums.chunks_exact_mut(modes);
-                    let phi = basis.at(element);
+                    let phi = basis.row(element, 0..modes, &mut scratch);
                     arch.dispatch(
                         #[inline(always)]
                         || project_one(&values, measure, phi, &mut squares, rows),
@@ -281,14 +281,15 @@ impl LogHeat {
         };
         let decays: Vec<[f64; MOST_TIMES]> = basis.eigenvalues().iter().map(decay).collect();
         let count = times.len();
-        let mut values = vec![0.0; basis.len() * count];
-        spectral_sums::for_each_row(
-            &mut values,
+        let values = spectral_sums::for_each_row(
+            basis.view(),
+            VertexSubset::all(basis.view()),
+            0..decays.len(),
             count,
             #[inline(always)]
-            |v, logs| {
+            |phi, logs| {
                 let mut sums = [0.0; MOST_TIMES];
-                for (decay, phi) in decays.iter().zip(basis.at(v)) {
+                for (decay, phi) in decays.iter().zip(phi) {
                     let square = phi * phi;
                     sums.iter_mut().zip(decay).for_each(|(sum, d)| *sum += d * square);
                 }

@@ -1,5 +1,6 @@
 //! Descriptors of all vertices, or of a list of them.
 use crate::DescriptorError;
+use mser3d_shape::EigenbasisView;
 
 /// Which of n vertices descriptors are computed for: all, or a list.
 #[derive(Clone, Copy)]
@@ -9,6 +10,10 @@ pub(crate) struct VertexSubset<'a> {
 }
 
 impl<'a> VertexSubset<'a> {
+    pub(crate) fn all(basis: EigenbasisView<'_>) -> Self {
+        Self { list: None, n: basis.len() }
+    }
+
     pub(crate) fn new(n: usize, list: Option<&'a [u32]>) -> Result<Self, DescriptorError> {
         if let Some(list) = list
             && let Some(number) = list.iter().position(|&v| v as usize >= n)
