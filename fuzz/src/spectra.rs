@@ -110,11 +110,10 @@ fn compare(spectrum: &Spectrum, operator: &Operator, expected: &[f64], parameter
         let error = (found - wanted).abs();
         assert!(error <= 1e-7 * wanted.abs() + 1e-10 * largest, "{about:?}: {found} for {wanted}");
     }
-    let count = found.len();
+    let (count, functions) = (found.len(), basis.functions().to_f64());
     for i in 0..count {
         for j in 0..=i {
             let rows = operator.mass().iter().enumerate();
-            let functions = basis.functions();
             let product: f64 =
                 rows.map(|(row, mass)| mass * functions[row * count + i] * functions[row * count + j]).sum();
             let wanted = f64::from(u8::from(i == j));

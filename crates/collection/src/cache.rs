@@ -1,6 +1,6 @@
 use std::path::{Path, PathBuf};
 
-use mser3d::shape::Eigenbasis;
+use mser3d::shape::{Eigenbasis, Functions, FunctionsView};
 use mser3d::spectral::{EigenpairRange, Eigensolver, Spectrum, SpectrumParameters, SpectrumReport};
 use mser3d::{DiscreteShape, Elements, ProgressFn};
 use mser3d_fileio::{FileError, NpyArray, NpyValues, read_npz, write_npz};
@@ -13,9 +13,9 @@ use crate::CollectionError;
 ///
 /// A spectrum is kept under a hash of all that it depends on: the grid with its links and frame, or the
 /// mesh; the [`SpectrumParameters`] but for the memory limit; and the version of mser3d. Its file is a
-/// `.npz` of 8 n k bytes (36 MB for 45,000 voxels and 100 eigenpairs) that holds every bit, so results are
-/// the same with and without the cache. Many processes can share one; files appear as a whole. What is read is checked to be
-/// eigenpairs of the shape, whatever the file says.
+/// `.npz` of 8 n k bytes (36 MB for 45,000 voxels and 100 eigenpairs), or half of that where the eigenfunctions are in single
+/// precision. It holds every bit, so results are the same with and without the cache. Many processes can share one; files
+/// appear as a whole. What is read is checked to be eigenpairs of the shape, whatever the file says.
 #[derive(Clone, Debug)]
 pub struct SpectrumCache {
     folder: PathBuf,
@@ -149,8 +149,12 @@ fn write_arrays(
     report: &SpectrumReport,
     mass: &[f64],
     eigenvalues: &[f64],
-    functions: &[f64],
+    functions: FunctionsView<'_>,
 ) -> Result<(), FileError> {
+    let functions = match functions {
+        FunctionsView::Double(values) => NpyValues::from(values),
+        FunctionsView::Single(values) => values.into(),
+    };
     let counts = [report.iterations, report.applications, report.zero_modes].map(|n| n as i64);
     write_npz(
         path,
@@ -177,7 +181,7 @@ fn read(
         return Err(None);
     }
     let mut arrays = read_npz(path).map_err(|e| Some(e.to_string()))?;
-    let mut take = |name: &str| arrays.remove(name).map(|array| array.values().clone());
+    let mut take = |name: &str| arrays.remove(name).map(NpyArray::into_values);
     let spectrum = (|| {
         let NpyValues::U8(stored_key) = take("key")? else { return None };
         let NpyValues::U8(solver) = take("solver")? else { return None };
@@ -185,7 +189,11 @@ fn read(
         let NpyValues::F64(quality) = take("quality")? else { return None };
         let NpyValues::F64(mass) = take("mass")? else { return None };
         let NpyValues::F64(eigenvalues) = take("eigenvalues")? else { return None };
-        let NpyValues::F64(functions) = take("functions")? else { return None };
+        let functions = match take("functions")? {
+            NpyValues::F64(values) => Functions::Double(values.into_owned()),
+            NpyValues::F32(values) => Functions::Single(values.into_owned()),
+            _ => return None,
+        };
         let solver = std::str::from_utf8(&solver).ok()?.parse().ok()?;
         let (&[iterations, applications, zero_modes], &[residual, orthogonality]) = (&*counts, &*quality)
         else {
@@ -194,7 +202,6 @@ fn read(
         if stored_key != key || mass.len() != shape.len() {
             return None;
         }
-        let functions = functions.into_owned();
         let basis =
             Eigenbasis::new(shape.domain(), mass.into_owned(), eigenvalues.into_owned(), functions).ok()?;
         // A file may be whole and hold nonsense all the same.
@@ -239,8 +246,9 @@ mod tests {
 
     fn bits(spectrum: &Spectrum) -> Vec<u64> {
         let basis = &spectrum.basis;
-        let numbers = [basis.mass(), basis.eigenvalues(), basis.functions()].concat();
-        numbers.iter().map(|x| x.to_bits()).collect()
+        let numbers =
+            basis.mass().iter().chain(basis.eigenvalues()).copied().chain(basis.functions().values());
+        numbers.map(f64::to_bits).collect()
     }
 
     fn ask(
@@ -324,10 +332,14 @@ mod tests {
             let path = cache.path(&key);
             let k = basis.eigenvalues().len();
             let changed = |change: &dyn Fn(&mut Vec<f64>, &mut Vec<f64>, &mut Vec<f64>)| {
-                let (mut mass, mut values, mut functions) =
-                    (basis.mass().to_vec(), basis.eigenvalues().to_vec(), basis.functions().to_vec());
+                let (mut mass, mut values, mut functions) = (
+                    basis.mass().to_vec(),
+                    basis.eigenvalues().to_vec(),
+                    basis.functions().to_f64().into_owned(),
+                );
                 change(&mut mass, &mut values, &mut functions);
-                write_arrays(&path, &key, &computed.report, &mass, &values, &functions).unwrap();
+                let view = FunctionsView::Double(&functions);
+                write_arrays(&path, &key, &computed.report, &mass, &values, view).unwrap();
                 let (spectrum, how) = ask(&cache, &shape, &parameters);
                 assert!(bits(&spectrum) == bits(&computed));
                 how
@@ -351,6 +363,39 @@ mod tests {
             for (number, change) in nonsense.into_iter().enumerate() {
                 assert!(matches!(changed(change), CacheUse::Trouble(_)), "{number}");
             }
+        }
+    }
+
+    #[test]
+    fn single_precision_comes_back_as_it_was() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = SpectrumCache::open(folder.path()).unwrap();
+        // Of so long a bar the rounding to single precision is as large as the eigenvalues, once the Laplacian is applied to it.
+        for length in [20, 4000] {
+            let (shape, parameters) =
+                (bar(length), SpectrumParameters { eigenpairs: 3.into(), ..parameters() });
+            let (computed, _) = ask(&cache, &shape, &parameters);
+            let key = key(&shape, &parameters);
+            let basis = &computed.basis;
+            let functions: Vec<f32> = basis.functions().values().map(|x| x as f32).collect();
+            let store = |functions: &[f32]| {
+                let (path, view) = (cache.path(&key), FunctionsView::Single(functions));
+                write_arrays(&path, &key, &computed.report, basis.mass(), basis.eigenvalues(), view).unwrap();
+                ask(&cache, &shape, &parameters)
+            };
+            let (read, how) = store(&functions);
+            assert_eq!(how, CacheUse::Hit, "{length}");
+            assert_eq!(read.basis.functions(), FunctionsView::Single(&functions));
+            // What is read is written again as it is.
+            write(&cache.path(&key), &key, &read).unwrap();
+            let (again, how) = ask(&cache, &shape, &parameters);
+            assert_eq!((again.basis, how), (read.basis, CacheUse::Hit));
+
+            let mut wrong = functions.clone();
+            wrong[3 * 7 + 2] *= 1.01;
+            let (read, how) = store(&wrong);
+            assert!(matches!(how, CacheUse::Trouble(_)), "{length}");
+            assert_eq!(bits(&read), bits(&computed));
         }
     }
 }

@@ -36,23 +36,28 @@ fn basis(k: usize) -> Eigenbasis {
 }
 
 fn signatures(c: &mut Criterion) {
-    let basis = basis(100);
-    let n = basis.len() as u32;
+    let double = basis(100);
+    let functions: Vec<f32> = double.functions().values().map(|x| x as f32).collect();
+    let (mass, values) = (double.mass().to_vec(), double.eigenvalues().to_vec());
+    let single = Eigenbasis::new(Domain::Volume, mass, values, functions).expect("a sound basis");
+    let n = double.len() as u32;
     let edges: Vec<[u32; 2]> =
         [1, 150, 3000].into_iter().flat_map(|step| (0..n - step).map(move |v| [v, v + step])).collect();
-    let t = TimeScale::Relative(0.5).on(&basis).expect("a positive time");
+    let t = TimeScale::Relative(0.5).on(&double).expect("a positive time");
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
-    let mut group = c.benchmark_group("45000 voxels, 100 eigenpairs");
-    group.sample_size(10);
-    let mut bench = |name: &str, work: &(dyn Fn() + Sync)| {
-        group.bench_function(name, |b| pool.install(|| b.iter(work)));
-    };
-    bench("auto_diffusivity", &|| drop(black_box(auto_diffusivity(&basis, t))));
-    bench("inverse_heat_kernel", &|| drop(black_box(inverse_heat_kernel(&basis, t, &edges))));
-    bench("commute_time", &|| drop(black_box(commute_time(&basis))));
-    bench("hks", &|| drop(black_box(hks(&basis, &HksParameters::default(), None))));
-    bench("si_hks", &|| drop(black_box(si_hks(&basis, &SiHksParameters::default(), None))));
-    group.finish();
+    for (precision, basis) in [("", &double), (" in single precision", &single)] {
+        let mut group = c.benchmark_group(format!("45000 voxels, 100 eigenpairs{precision}"));
+        group.sample_size(10);
+        let mut bench = |name: &str, work: &(dyn Fn() + Sync)| {
+            group.bench_function(name, |b| pool.install(|| b.iter(work)));
+        };
+        bench("auto_diffusivity", &|| drop(black_box(auto_diffusivity(basis, t))));
+        bench("inverse_heat_kernel", &|| drop(black_box(inverse_heat_kernel(basis, t, &edges))));
+        bench("commute_time", &|| drop(black_box(commute_time(basis))));
+        bench("hks", &|| drop(black_box(hks(basis, &HksParameters::default(), None))));
+        bench("si_hks", &|| drop(black_box(si_hks(basis, &SiHksParameters::default(), None))));
+        group.finish();
+    }
 }
 
 /// The paper's other descriptor on the same box, and a search among the regions of many shapes.

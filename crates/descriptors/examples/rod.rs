@@ -19,7 +19,7 @@ fn rod(length: f64) -> Result<Eigenbasis, Box<dyn Error>> {
         let amplitude = if i == 0 { 1.0 } else { 2.0 };
         (f64::sqrt(amplitude / length)) * (PI * i as f64 * (v as f64 + 0.5) / CELLS as f64).cos()
     };
-    let functions = (0..CELLS).flat_map(|v| (0..MODES).map(move |i| function(v, i))).collect();
+    let functions: Vec<f64> = (0..CELLS).flat_map(|v| (0..MODES).map(move |i| function(v, i))).collect();
     let eigenvalues = (0..MODES).map(|i| (PI * i as f64 / length).powi(2)).collect();
     Ok(Eigenbasis::new(Domain::Volume, vec![cell; CELLS], eigenvalues, functions)?)
 }

@@ -7,7 +7,7 @@ use mser3d_shape::{Eigenbasis, Faces, TriangleMesh, VoxelGrid};
 use pulp::Arch;
 use rayon::prelude::*;
 
-use crate::{DescriptorError, TimeScale, spectral_sums};
+use crate::{DescriptorError, TimeScale, spectral_sums, vertex_subset::VertexSubset};
 
 /// Elements that are summed one after the other. Sums of blocks are added in order, so that threads make no difference.
 const BLOCK: usize = 1 << 12;
@@ -238,9 +238,10 @@ fn project(
     let (modes, arch) = (basis.eigenvalues().len(), Arch::new());
     let of_block = |places: Range<usize>, logs: &Logs| {
         let (mut squares, mut sums) = (vec![0.0; fields], vec![0.0; fields * modes]);
+        let mut scratch = Vec::new();
         at(places, logs, &mut |values, element, measure| {
             let rows = sums.chunks_exact_mut(modes);
-            let phi = basis.at(element);
+            let phi = basis.row(element, 0..modes, &mut scratch);
             arch.dispatch(
                 #[inline(always)]
                 || project_one(values, measure, phi, &mut squares, rows),
@@ -328,15 +329,15 @@ impl<'a> LogHeat<'a> {
     /// That of some elements. One pass over the eigenfunctions serves all times.
     fn of(&self, elements: Range<usize>) -> Logs {
         let Self { basis, decays, times } = self;
-        let mut values = vec![0.0; elements.len() * times];
-        spectral_sums::for_each_row(
-            &mut values,
+        let values = spectral_sums::for_each_row(
+            basis.view(),
+            VertexSubset::range(elements.clone()),
+            0..decays.len(),
             *times,
             #[inline(always)]
-            |row, logs| {
-                let v = elements.start + row;
+            |phi, logs| {
                 let mut sums = [0.0; MOST_TIMES];
-                for (decay, phi) in decays.iter().zip(basis.at(v)) {
+                for (decay, phi) in decays.iter().zip(phi) {
                     let square = phi * phi;
                     sums.iter_mut().zip(decay).for_each(|(sum, d)| *sum += d * square);
                 }

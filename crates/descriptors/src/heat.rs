@@ -2,6 +2,7 @@
 
 use crate::{DescriptorError, TimeScale, spectral_sums, vertex_subset::VertexSubset};
 use mser3d_shape::EigenbasisView;
+use pulp::Arch;
 use rayon::prelude::*;
 
 /// The auto-diffusivity H_t(v,v) of every vertex: how much heat is still at v a time t after a unit of heat
@@ -30,7 +31,7 @@ pub fn auto_diffusivities<'a>(
     times: &[f64],
 ) -> Result<Vec<Vec<f64>>, DescriptorError> {
     let basis = basis.into();
-    let rows = at_times(basis, times, VertexSubset::new(basis.len(), None)?)?;
+    let rows = at_times(basis, times, VertexSubset::all(basis))?;
     let of_time = |time: usize| rows.iter().skip(time).step_by(times.len()).copied().collect();
     Ok((0..times.len()).into_par_iter().map(of_time).collect())
 }
@@ -42,19 +43,19 @@ pub(crate) fn at_times(
     vertices: VertexSubset<'_>,
 ) -> Result<Vec<f64>, DescriptorError> {
     let decays: Vec<Vec<f64>> = times.iter().map(|&t| decay(basis, t)).collect::<Result<_, _>>()?;
-    let mut values = vec![0.0; vertices.len() * times.len()];
-    spectral_sums::for_each_row(
-        &mut values,
+    let modes = decays.iter().map(Vec::len).max().unwrap_or(0);
+    Ok(spectral_sums::for_each_row(
+        basis,
+        vertices,
+        0..modes,
         times.len(),
         #[inline(always)]
-        |row, samples| {
-            let phi = basis.at(vertices.vertex(row));
+        |phi, samples| {
             for (sample, decay) in samples.iter_mut().zip(&decays) {
                 *sample = spectral_sums::sum(decay, |i| phi[i] * phi[i]);
             }
         },
-    );
-    Ok(values)
+    ))
 }
 
 /// The heat kernel H_t(u,v) on each edge, in the order of the edges.
@@ -72,7 +73,13 @@ pub fn heat_kernel<'a>(
 ) -> Result<Vec<f64>, DescriptorError> {
     let basis = basis.into();
     let decay = decay(basis, t)?;
-    over_edges(basis, edges, |u, v| spectral_sums::sum(&decay, |i| u[i] * v[i]))
+    over_edges(
+        basis,
+        edges,
+        &decay,
+        #[inline(always)]
+        |u, v| u * v,
+    )
 }
 
 /// The paper's edge weight 1/H_t(u,v): low where heat passes easily.
@@ -103,7 +110,15 @@ pub fn diffusion_distance<'a>(
 ) -> Result<Vec<f64>, DescriptorError> {
     let basis = basis.into();
     let decay = decay(basis, 2.0 * t)?;
-    over_edges(basis, edges, |u, v| spectral_sums::sum(&decay, |i| (u[i] - v[i]) * (u[i] - v[i])).sqrt())
+    let mut values = over_edges(
+        basis,
+        edges,
+        &decay,
+        #[inline(always)]
+        |u, v| (u - v) * (u - v),
+    )?;
+    values.iter_mut().for_each(|d| *d = d.sqrt());
+    Ok(values)
 }
 
 /// The heat trace `sum_i exp(-lambda_i t)`, which is the integral of H_t(v,v) over the shape.
@@ -122,10 +137,12 @@ pub(crate) fn decay(basis: EigenbasisView<'_>, t: f64) -> Result<Vec<f64>, Descr
     Ok(values[..spectral_sums::live_modes(values, t)].iter().map(|l| (-l * t).exp()).collect())
 }
 
+/// `sum_i decay_i term(phi_i(u), phi_i(v))` of each edge.
 fn over_edges(
     basis: EigenbasisView<'_>,
     edges: &[[u32; 2]],
-    value: impl Fn(&[f64], &[f64]) -> f64 + Sync,
+    decay: &[f64],
+    term: impl Fn(f64, f64) -> f64 + Sync,
 ) -> Result<Vec<f64>, DescriptorError> {
     let vertices = basis.len();
     let stray = edges.iter().enumerate().find_map(|(number, edge)| {
@@ -134,6 +151,21 @@ fn over_edges(
     if let Some((number, index)) = stray {
         return Err(DescriptorError::IndexOutOfRange { element: "edge", number, index, vertices });
     }
-    let edges = edges.par_iter().with_min_len(1024);
-    Ok(edges.map(|&[u, v]| value(basis.at(u as usize), basis.at(v as usize))).collect())
+    const EDGES: usize = 1024;
+    let arch = Arch::new();
+    let mut values = vec![0.0; edges.len()];
+    values.par_chunks_mut(EDGES).zip(edges.par_chunks(EDGES)).for_each(|(values, edges)| {
+        let (mut at_u, mut at_v) = (Vec::new(), Vec::new());
+        arch.dispatch(
+            #[inline(always)]
+            || {
+                for (value, &[u, v]) in values.iter_mut().zip(edges) {
+                    let u = basis.row(u as usize, 0..decay.len(), &mut at_u);
+                    let v = basis.row(v as usize, 0..decay.len(), &mut at_v);
+                    *value = spectral_sums::sum(decay, |i| term(u[i], v[i]));
+                }
+            },
+        );
+    });
+    Ok(values)
 }

@@ -129,15 +129,16 @@ impl<'r> Sum<'r> {
 pub fn region_means<R: AsRef<[u32]> + Sync>(basis: &Eigenbasis, regions: &[R]) -> Vec<Vec<f64>> {
     let arch = Arch::new();
     let mean = |region: &R| {
-        let mut sums = vec![0.0; basis.eigenvalues().len()];
-        let mut total = 0.0;
+        let modes = basis.eigenvalues().len();
+        let (mut sums, mut total, mut scratch) = (vec![0.0; modes], 0.0, Vec::new());
         arch.dispatch(
             #[inline(always)]
             || {
                 for &vertex in region.as_ref() {
                     let m = basis.mass()[vertex as usize];
                     total += m;
-                    spectral_sums::add_multiple(&mut sums, m, basis.at(vertex as usize));
+                    let phi = basis.row(vertex as usize, 0..modes, &mut scratch);
+                    spectral_sums::add_multiple(&mut sums, m, phi);
                 }
             },
         );

@@ -144,7 +144,7 @@ pub fn si_hks<'a>(
         |(slopes, transform, scratch), (block, rows)| {
             let first = block * BLOCK;
             let count = rows.len() / frequencies;
-            table.slopes((first..first + count).map(|row| basis.at(subset.vertex(row))), slopes);
+            table.slopes(basis, (first..first + count).map(|row| subset.vertex(row)), slopes);
             for (slope, row) in slopes.chunks_exact_mut(samples).zip(rows.chunks_exact_mut(frequencies)) {
                 fft.process_with_scratch(slope, transform, scratch)
                     .expect("buffers were made by this transform");

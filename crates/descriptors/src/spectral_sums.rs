@@ -1,9 +1,10 @@
 //! Sums over a spectrum, `sum_i w_i phi_i^2`: which modes count, and a fixed order.
 
-use crate::DescriptorError;
+use crate::{DescriptorError, vertex_subset::VertexSubset};
 use mser3d_shape::EigenbasisView;
 use pulp::Arch;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Modes that have decayed by `exp(-41.5) = 1e-18` against the slowest one are left out: below the rounding
 /// of the sum, even where their eigenfunction peaks.
@@ -25,35 +26,43 @@ pub(crate) fn check(basis: EigenbasisView<'_>) -> Result<(), DescriptorError> {
 
 /// `sum_i w_i phi_(first + i)(v)^2` of every vertex.
 pub(crate) fn weighted_squares(basis: EigenbasisView<'_>, first: usize, weights: &[f64]) -> Vec<f64> {
-    let mut values = vec![0.0; basis.len()];
     for_each_row(
-        &mut values,
+        basis,
+        VertexSubset::all(basis),
+        first..first + weights.len(),
         1,
         #[inline(always)]
-        |v, value| {
-            let phi = &basis.at(v)[first..first + weights.len()];
-            value[0] = sum(weights, |i| phi[i] * phi[i]);
-        },
-    );
-    values
+        |phi, value| value[0] = sum(weights, |i| phi[i] * phi[i]),
+    )
 }
 
-/// Fills rows of numbers in parallel, by a function that is compiled for vectors as wide as the processor has, if it is inlined.
-/// That changes no bit: multiplications and additions are rounded each, and come in the order in which they are written.
-pub(crate) fn for_each_row(values: &mut [f64], width: usize, fill: impl Fn(usize, &mut [f64]) + Sync) {
+/// A row of `width` numbers for each of some vertices, in parallel. `fill` makes it of the values of some eigenfunctions there; it
+/// is compiled for vectors as wide as the processor has, if it is inlined. That changes no bit: multiplications and additions
+/// are rounded each, and come in the order in which they are written.
+pub(crate) fn for_each_row(
+    basis: EigenbasisView<'_>,
+    vertices: VertexSubset<'_>,
+    modes: Range<usize>,
+    width: usize,
+    fill: impl Fn(&[f64], &mut [f64]) + Sync,
+) -> Vec<f64> {
     const ROWS: usize = 256;
+    let mut values = vec![0.0; vertices.len() * width];
     let (arch, width) = (Arch::new(), width.max(1));
     values.par_chunks_mut(ROWS * width).enumerate().for_each(|(block, values)| {
         let rows = values.chunks_exact_mut(width).enumerate();
+        let mut scratch = Vec::new();
         arch.dispatch(
             #[inline(always)]
             || {
                 for (row, values) in rows {
-                    fill(block * ROWS + row, values);
+                    let vertex = vertices.vertex(block * ROWS + row);
+                    fill(basis.row(vertex, modes.clone(), &mut scratch), values);
                 }
             },
         );
     });
+    values
 }
 
 /// `sums += factor * values`, number by number. To be called where code is compiled for wide vectors.

@@ -52,6 +52,11 @@ impl<'a> NpyArray<'a> {
         &self.values
     }
 
+    /// The numbers, without a copy.
+    pub fn into_values(self) -> NpyValues<'a> {
+        self.values
+    }
+
     /// Bytes in a file.
     pub(crate) fn byte_len(&self) -> u64 {
         self.header().len() as u64 + self.values.len() as u64 * self.values.item_size() as u64

@@ -1,7 +1,7 @@
 //! Between NumPy's arrays and the libraries' types. The Python half has checked types and axes; what depends on values is
 //! checked here.
 
-use mser3d::shape::{Affine, TriangleMesh};
+use mser3d::shape::{Affine, Eigenbasis, FunctionsView, TriangleMesh};
 use mser3d_volumeio::{Samples, Volume};
 use numpy::{Element, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -105,4 +105,30 @@ pub fn rows<T: Element>(py: Python<'_>, values: Vec<T>, width: usize) -> PyResul
     let count = values.len().checked_div(width).unwrap_or(0);
     let array = PyArray1::from_vec(py, values).reshape([count, width]);
     array.map_err(|e| PyTypeError::new_err(e.to_string()))
+}
+
+/// The eigenfunctions of a basis in columns, in their own precision.
+pub fn columns<'py>(py: Python<'py>, basis: &Eigenbasis) -> PyResult<Bound<'py, PyAny>> {
+    let width = basis.eigenvalues().len();
+    Ok(match basis.functions() {
+        FunctionsView::Double(values) => rows(py, values.to_vec(), width)?.into_any(),
+        FunctionsView::Single(values) => rows(py, values.to_vec(), width)?.into_any(),
+    })
+}
+
+/// Eigenfunctions as a caller has them.
+#[derive(FromPyObject)]
+pub enum Columns<'py> {
+    Double(PyReadonlyArray2<'py, f64>),
+    Single(PyReadonlyArray2<'py, f32>),
+}
+
+impl Columns<'_> {
+    /// Without a copy.
+    pub fn view(&self) -> PyResult<FunctionsView<'_>> {
+        Ok(match self {
+            Self::Double(array) => array.as_slice()?.into(),
+            Self::Single(array) => array.as_slice()?.into(),
+        })
+    }
 }

@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use mser3d::laplace::sprs::CsMat;
 use mser3d::laplace::{self, LaplaceError};
-use mser3d::shape::{Domain, VoxelGrid};
+use mser3d::shape::{Domain, Eigenbasis, VoxelGrid};
 use mser3d::spectral::{SpectralError, SpectrumParameters, smallest_eigenpairs, smallest_eigenpairs_of_grid};
 use mser3d_cli::CliError;
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use crate::arrays::{flat, mesh, rows, wrong};
+use crate::arrays::{columns, flat, mesh, wrong};
 use crate::errors::{exception, of_library, usage};
 use crate::run::{Call, Told, run};
 use crate::voxels::Voxels;
@@ -120,14 +120,14 @@ pub fn eigs<'py>(
         ..SpectrumParameters::default()
     };
     let call = Call { progress, threads };
-    let (values, functions) = match &operator.kind {
+    let (values, basis) = match &operator.kind {
         Kind::Grid(grid) => {
             let grid = Arc::clone(grid);
             run(py, &call, move |told| {
                 let found = smallest_eigenpairs_of_grid(&grid, &parameters, &|done| {
                     told.report_share("spectrum", done)
                 });
-                found.map(|found| pairs(&found.basis)).map_err(of_library)
+                found.map(|found| pairs(found.basis)).map_err(of_library)
             })?
         }
         Kind::Matrix(matrix) => {
@@ -135,14 +135,14 @@ pub fn eigs<'py>(
             run(py, &call, move |told| of_matrix(&matrix, &parameters, told))?
         }
     };
-    let width = values.len();
-    Ok((flat(py, values).into_any(), rows(py, functions, width)?.into_any()))
+    Ok((flat(py, values).into_any(), columns(py, &basis)?))
 }
 
-type Pairs = (Vec<f64>, Vec<f64>);
+/// Eigenvalues, and a basis with the eigenfunctions.
+type Pairs = (Vec<f64>, Eigenbasis);
 
-fn pairs(basis: &mser3d::shape::Eigenbasis) -> Pairs {
-    (basis.eigenvalues().to_vec(), basis.functions().to_vec())
+fn pairs(basis: Eigenbasis) -> Pairs {
+    (basis.eigenvalues().to_vec(), basis)
 }
 
 /// The eigenpairs of any symmetric matrix: one that is not positive semidefinite is shifted until it is, by the circles of
@@ -155,7 +155,7 @@ fn of_matrix(
     let report = |done: f64| told.report_share("spectrum", done);
     match smallest_eigenpairs(matrix, parameters, &report) {
         Err(SpectralError::Indefinite { .. }) => {}
-        found => return found.map(|found| pairs(&found.basis)).map_err(of_library),
+        found => return found.map(|found| pairs(found.basis)).map_err(of_library),
     }
     let mut shift = 0.0f64;
     for (row, vector) in matrix.stiffness().outer_iterator().enumerate() {
@@ -178,7 +178,7 @@ fn of_matrix(
     let shifted =
         laplace::Operator::new(matrix.domain(), shifted, matrix.mass().to_vec()).map_err(of_library)?;
     let found = smallest_eigenpairs(&shifted, parameters, &report).map_err(of_library)?;
-    let (mut values, functions) = pairs(&found.basis);
+    let (mut values, basis) = pairs(found.basis);
     values.iter_mut().for_each(|value| *value -= shift);
-    Ok((values, functions))
+    Ok((values, basis))
 }

@@ -12,7 +12,7 @@ use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
-use crate::arrays::{flat, rows};
+use crate::arrays::{columns, flat, rows};
 use crate::errors::{exception, usage};
 use crate::options::parse;
 use crate::run::{Call, run};
@@ -159,8 +159,7 @@ impl Found {
     }
 
     fn evecs<'py>(&self, py: Python<'py>, body: usize) -> PyResult<Bound<'py, PyAny>> {
-        let basis = &self.body(body)?.basis;
-        Ok(rows(py, basis.functions().to_vec(), basis.eigenvalues().len())?.into_any())
+        columns(py, &self.body(body)?.basis)
     }
 
     fn mass<'py>(&self, py: Python<'py>, body: usize) -> PyResult<Bound<'py, PyAny>> {

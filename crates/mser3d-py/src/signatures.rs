@@ -3,13 +3,13 @@
 use std::ops::Range;
 
 use mser3d::descriptors::{self, SiHksParameters};
-use mser3d::shape::{Domain, EigenbasisView};
+use mser3d::shape::{Domain, EigenbasisView, FunctionsView};
 use mser3d_cli::CliError;
-use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
-use crate::arrays::{flat, indices, rows, wrong};
+use crate::arrays::{Columns, flat, indices, rows, wrong};
 use crate::errors::{of_library, usage};
 use crate::run::{Call, Told, run_borrowing};
 
@@ -22,15 +22,18 @@ struct Eigenpairs<'a> {
     domain: Domain,
     mass: &'a [f64],
     evals: &'a [f64],
-    evecs: &'a [f64],
+    evecs: FunctionsView<'a>,
 }
 
 impl<'a> Eigenpairs<'a> {
     fn view(self, rows: Range<usize>) -> Result<EigenbasisView<'a>, CliError> {
-        let k = self.evals.len();
-        let functions = &self.evecs[rows.start * k..rows.end * k];
-        EigenbasisView::new(self.domain, &self.mass[rows], self.evals, functions)
+        EigenbasisView::new(self.domain, &self.mass[rows.clone()], self.evals, self.functions(rows))
             .map_err(|e| usage(format!("evals, evecs, mass: {e}")))
+    }
+
+    fn functions(self, rows: Range<usize>) -> FunctionsView<'a> {
+        let k = self.evals.len();
+        self.evecs.slice(rows.start * k..rows.end * k)
     }
 
     fn whole(self) -> Result<EigenbasisView<'a>, CliError> {
@@ -55,16 +58,24 @@ impl<'a> Eigenpairs<'a> {
     }
 
     fn check(self, rows: Range<usize>) -> Result<(), CliError> {
-        let k = self.evals.len();
-        let values = &self.evecs[rows.start * k..rows.end * k];
+        let values = self.functions(rows.clone());
         // Whether, and then where: the first is fast.
-        if values.par_chunks(1 << 15).all(|part| part.iter().fold(true, |good, x| good & x.is_finite())) {
+        let sound = match values {
+            FunctionsView::Double(values) => are_finite(values),
+            FunctionsView::Single(values) => are_finite(values),
+        };
+        if sound {
             return Ok(());
         }
-        let place = values.iter().position(|x| !x.is_finite()).unwrap_or(0);
-        let row = rows.start + place / k.max(1);
+        let place = values.values().position(|x| !x.is_finite()).unwrap_or(0);
+        let row = rows.start + place / self.evals.len().max(1);
         Err(usage(format!("evecs: row {row} holds a value that is not finite")))
     }
+}
+
+fn are_finite<T: Copy + Into<f64> + Sync>(values: &[T]) -> bool {
+    let part = |part: &[T]| part.iter().fold(true, |good, &x| good & x.into().is_finite());
+    values.par_chunks(1 << 15).all(part)
 }
 
 /// The heat kernel at each time, one after the other: of each row with itself, or of pairs of rows.
@@ -73,14 +84,14 @@ impl<'a> Eigenpairs<'a> {
 pub fn heat_kernel<'py>(
     py: Python<'py>,
     evals: PyReadonlyArray1<'py, f64>,
-    evecs: PyReadonlyArray2<'py, f64>,
+    evecs: Columns<'py>,
     times: Vec<f64>,
     pairs: Option<PyReadonlyArray2<'py, i64>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let count = evecs.shape()[0];
+    let (evals, evecs) = (evals.as_slice()?, evecs.view()?);
+    let count = evecs.len() / evals.len().max(1);
     // The heat kernel does not depend on it.
     let mass = vec![1.0; count];
-    let (evals, evecs) = (evals.as_slice()?, evecs.as_slice()?);
     let basis = Eigenpairs { domain: Domain::Volume, mass: &mass, evals, evecs };
     let pairs = pairs.map(|pairs| indices::<2>("pairs", &pairs, count)).transpose()?;
     let values = run_borrowing(py, &Call { progress: None, threads: None }, |told| {
@@ -115,12 +126,12 @@ pub fn si_hks<'py>(
     domain: &str,
     mass: PyReadonlyArray1<'py, f64>,
     evals: PyReadonlyArray1<'py, f64>,
-    evecs: PyReadonlyArray2<'py, f64>,
+    evecs: Columns<'py>,
     settings: &str,
     of: Option<PyReadonlyArray2<'py, i64>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let domain: Domain = domain.parse().map_err(|e| wrong("domain", e))?;
-    let (mass, evals, evecs) = (mass.as_slice()?, evals.as_slice()?, evecs.as_slice()?);
+    let (mass, evals, evecs) = (mass.as_slice()?, evals.as_slice()?, evecs.view()?);
     let basis = Eigenpairs { domain, mass, evals, evecs };
     // Fields that are not given are the defaults'.
     let mut parameters =

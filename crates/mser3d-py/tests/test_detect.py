@@ -96,6 +96,7 @@ def test_a_folder_is_read_back(result, tmp_path):
     assert read.record == result.record
     np.testing.assert_array_equal(read.vertex_labels, result.vertex_labels)
     np.testing.assert_array_equal(read.evals, result.evals)
+    assert read.evecs.dtype == np.float32
     np.testing.assert_array_equal(read.evecs, result.evecs.astype(np.float32))
     assert (tmp_path / "out/regions.nii.gz").stat().st_size > 100
     result.save(tmp_path / "plain")

@@ -101,6 +101,15 @@ def test_heat_kernels_are_sums_over_eigenpairs(solid):
     signature = mser3d.si_vhks(evals, evecs, mass)
     assert signature.shape == (len(solid), 6) and np.isfinite(signature).all()
     np.testing.assert_array_equal(mser3d.si_vhks(evals, evecs, mass, rows=[3, 1]), signature[[3, 1]])
+    # Eigenfunctions in single precision: their rounding is all that differs.
+    single = evecs.astype(np.float32)
+    widened = single.astype(float)
+    np.testing.assert_array_equal(mser3d.heat_kernel(evals, single, times), mser3d.heat_kernel(evals, widened, times))
+    np.testing.assert_array_equal(mser3d.si_vhks(evals, single, mass), mser3d.si_vhks(evals, widened, mass))
+    np.testing.assert_allclose(mser3d.si_vhks(evals, single, mass), signature, rtol=0, atol=1e-6 * signature.max())
+    single[2, 3] = np.nan
+    with pytest.raises(ValueError, match="evecs: row 2"):
+        mser3d.heat_kernel(evals, single, 0.01)
     # The same at any scale: lengths times 2.
     larger = mser3d.si_vhks(evals / 4, evecs / 8**0.5, mass.diagonal() * 8)
     np.testing.assert_allclose(larger, signature, rtol=1e-9)

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use mser3d::Features;
-use mser3d_fileio::{NpyArray, write_npz};
-use mser3d_shape::{Domain, Eigenbasis};
+use mser3d_fileio::{NpyArray, NpyValues, write_npz};
+use mser3d_shape::{Domain, Eigenbasis, Functions, FunctionsView};
 
 use crate::load::{Arrays, integers, numbers};
 use crate::write::of_body;
@@ -62,11 +62,15 @@ impl Eigenfunctions {
             let reason = format!("array {} is not that of features.npz", name("eigenvalues"));
             return Err(arrays.broken(reason));
         }
-        let functions = arrays.take(&name("eigenfunctions"), numbers)?;
+        let functions = arrays.take(&name("eigenfunctions"), functions)?;
         let mass = arrays.take(&name("mass"), numbers)?;
         let rows = mass.len();
-        arrays.length(&name("eigenfunctions"), functions.len(), rows.saturating_mul(eigenvalues.len()))?;
-        if functions.iter().any(|x| !x.is_finite()) {
+        arrays.length(
+            &name("eigenfunctions"),
+            functions.view().len(),
+            rows.saturating_mul(eigenvalues.len()),
+        )?;
+        if functions.view().values().any(|x| !x.is_finite()) {
             let reason = format!("array {} holds a value that is not finite", name("eigenfunctions"));
             return Err(arrays.broken(reason));
         }
@@ -129,14 +133,24 @@ pub(crate) fn write_eigenfunctions(bodies: &[Eigenfunctions], path: &Path) -> Re
         let basis = &body.basis;
         let name = |what: &str| of_body(what, number);
         let shape = [basis.len(), basis.eigenvalues().len()];
-        // Half the bytes: a solver's error is larger than the rounding.
-        let functions: Vec<f32> = basis.functions().iter().map(|&x| x as f32).collect();
+        // Half the bytes of double precision: a solver's error is larger than the rounding.
+        let functions = match basis.functions() {
+            FunctionsView::Double(values) => values.iter().map(|&x| x as f32).collect::<Vec<_>>().into(),
+            FunctionsView::Single(values) => NpyValues::from(values),
+        };
         arrays.push((name("eigenvalues"), NpyArray::flat(basis.eigenvalues())));
         arrays.push((name("eigenfunctions"), NpyArray::new(&shape, functions)?));
         arrays.push((name("mass"), NpyArray::flat(basis.mass())));
         arrays.extend(body.places(number));
     }
-    let arrays: Vec<(&str, NpyArray<'_>)> =
-        arrays.iter().map(|(name, array)| (name.as_str(), array.clone())).collect();
     Ok(write_npz(path, &arrays)?)
+}
+
+/// Eigenfunctions in the precision of the file.
+fn functions(values: NpyValues<'_>) -> Option<Functions> {
+    match values {
+        NpyValues::F64(values) => Some(values.into_owned().into()),
+        NpyValues::F32(values) => Some(values.into_owned().into()),
+        _ => None,
+    }
 }

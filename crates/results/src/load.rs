@@ -209,11 +209,11 @@ impl Arrays {
     pub fn take<T>(
         &mut self,
         name: &str,
-        convert: fn(&NpyValues<'_>) -> Option<Vec<T>>,
-    ) -> Result<Vec<T>, ResultsError> {
+        convert: fn(NpyValues<'_>) -> Option<T>,
+    ) -> Result<T, ResultsError> {
         let array = self.arrays.remove(name);
         let array = array.ok_or_else(|| self.broken(format!("there is no array {name}")))?;
-        convert(array.values())
+        convert(array.into_values())
             .ok_or_else(|| self.broken(format!("array {name} holds values of another type")))
     }
 
@@ -331,18 +331,18 @@ impl Arrays {
     }
 }
 
-pub(crate) fn integers(values: &NpyValues<'_>) -> Option<Vec<i64>> {
+pub(crate) fn integers(values: NpyValues<'_>) -> Option<Vec<i64>> {
     match values {
         NpyValues::I32(v) => Some(v.iter().map(|&x| x.into()).collect()),
         NpyValues::U32(v) => Some(v.iter().map(|&x| x.into()).collect()),
-        NpyValues::I64(v) => Some(v.to_vec()),
+        NpyValues::I64(v) => Some(v.into_owned()),
         _ => None,
     }
 }
 
-pub(crate) fn numbers(values: &NpyValues<'_>) -> Option<Vec<f64>> {
+pub(crate) fn numbers(values: NpyValues<'_>) -> Option<Vec<f64>> {
     match values {
-        NpyValues::F64(v) => Some(v.to_vec()),
+        NpyValues::F64(v) => Some(v.into_owned()),
         NpyValues::F32(v) => Some(v.iter().map(|&x| x.into()).collect()),
         _ => None,
     }

@@ -32,8 +32,6 @@ impl Results {
             arrays.push((name("signature"), NpyArray::new(&shape, rows.values().to_vec())?));
             arrays.extend(body.places(number));
         }
-        let arrays: Vec<(&str, NpyArray<'_>)> =
-            arrays.iter().map(|(name, array)| (name.as_str(), array.clone())).collect();
         Ok(write_npz(path, &arrays)?)
     }
 
@@ -57,9 +55,10 @@ impl Results {
                 let Some((_, values)) = columns.iter_mut().find(|(known, _)| *known == name) else {
                     continue;
                 };
+                let mut scratch = Vec::new();
                 for (row, &voxel) in body.voxels.iter().enumerate() {
                     values[voxel as usize] = match place.checked_sub(modes) {
-                        None => body.basis.at(row)[place],
+                        None => body.basis.row(row, place..place + 1, &mut scratch)[0],
                         Some(number) => rows.row(row)[number],
                     };
                 }

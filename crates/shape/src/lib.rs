@@ -4,7 +4,8 @@
 //! * [`VoxelGrid`]: a solid as occupied voxels *and the links between them*, one bit each; its [`Frame`] says where
 //!   they lie, and [`Affine`] is the same for any volume;
 //! * [`Graph`]: adjacency of voxels or vertices, in compressed rows;
-//! * [`Eigenbasis`]: eigenvalues and M-orthonormal eigenfunctions of a Laplacian; [`EigenbasisView`]: those that lie elsewhere;
+//! * [`Eigenbasis`]: eigenvalues and M-orthonormal eigenfunctions of a Laplacian, in double or single precision ([`Functions`]);
+//!   [`EigenbasisView`]: those that lie elsewhere;
 //! * [`IndexSet`]: a region as a set of vertices or voxels;
 //! * [`DisjointSets`]: union-find, which components and component trees share.
 //!
@@ -33,6 +34,7 @@ mod disjoint_sets;
 mod eigenbasis;
 mod error;
 mod frame;
+mod functions;
 mod graph;
 mod grid;
 mod index_set;
@@ -54,6 +56,7 @@ pub use disjoint_sets::DisjointSets;
 pub use eigenbasis::{Domain, Eigenbasis, EigenbasisView};
 pub use error::ShapeError;
 pub use frame::Frame;
+pub use functions::{Functions, FunctionsView};
 pub use graph::{Components, Graph};
 pub use grid::{Connectivity, DIAGONALS, Faces, VoxelGrid};
 pub use index_set::{IndexSet, innermost_regions};

@@ -3,7 +3,7 @@
 //! Equal bodies side by side have the same eigenvalues. An iteration on all of them at once sees only as many
 //! copies of an eigenvalue as its block has columns; one by one, each body has few.
 
-use mser3d_shape::{Components, Domain, Eigenbasis};
+use mser3d_shape::{Components, Domain, Eigenbasis, Functions, FunctionsView};
 
 use crate::{SolverUsed, SpectralError, Spectrum, SpectrumReport};
 
@@ -55,14 +55,13 @@ pub(crate) fn merge(
             counts[body] = (2 * counts[body]).min(wanted).min(members[body].len());
         }
     };
-    let mut functions = vec![0.0; mass.len() * order.len()];
-    for (place, &(_, body, number)) in order.iter().enumerate() {
-        if let Some(spectrum) = &spectra[body] {
-            for (at, &row) in members[body].iter().enumerate() {
-                functions[row as usize * order.len() + place] = spectrum.basis.at(at)[number];
-            }
-        }
-    }
+    // Single precision of one body was chosen for its size, which this is not less than.
+    let single = |s: &Spectrum| matches!(s.basis.functions(), FunctionsView::Single(_));
+    let functions: Functions = if spectra.iter().flatten().any(single) {
+        gather(mass.len(), members, &spectra, &order, |x| x as f32).into()
+    } else {
+        gather(mass.len(), members, &spectra, &order, |x| x).into()
+    };
     let values = order.iter().map(|&(value, ..)| value).collect();
     let basis =
         Eigenbasis::new(domain, mass.to_vec(), values, functions).map_err(|_| SpectralError::Overflow)?;
@@ -82,6 +81,29 @@ fn smallest(spectra: &[Option<Spectrum>], wanted: usize) -> Vec<(f64, usize, usi
     all
 }
 
+/// The eigenfunctions of all bodies, those of `order`, zero outside their own body.
+fn gather<T: Copy + Default>(
+    rows: usize,
+    members: &[Vec<u32>],
+    spectra: &[Option<Spectrum>],
+    order: &[(f64, usize, usize)],
+    rounded: impl Fn(f64) -> T,
+) -> Vec<T> {
+    let mut functions = vec![T::default(); rows * order.len()];
+    let mut scratch = Vec::new();
+    for (body, (members, spectrum)) in members.iter().zip(spectra).enumerate() {
+        let here = order.iter().enumerate().filter(|(_, eigenpair)| eigenpair.1 == body);
+        let own: Vec<(usize, usize)> = here.map(|(place, eigenpair)| (place, eigenpair.2)).collect();
+        let (Some(spectrum), Some(&(_, last))) = (spectrum, own.last()) else { continue };
+        for (at, &row) in members.iter().enumerate() {
+            let values = spectrum.basis.row(at, 0..last + 1, &mut scratch);
+            let target = &mut functions[row as usize * order.len()..][..order.len()];
+            own.iter().for_each(|&(place, number)| target[place] = rounded(values[number]));
+        }
+    }
+    functions
+}
+
 /// The worst of all reports; the solver is that of the body with most work.
 fn combined(spectra: &[Option<Spectrum>], wanted: usize) -> SpectrumReport {
     let reports = || spectra.iter().flatten().map(|s| &s.report);
@@ -93,5 +115,34 @@ fn combined(spectra: &[Option<Spectrum>], wanted: usize) -> SpectrumReport {
         residual: worst(|r| r.residual),
         orthogonality: worst(|r| r.orthogonality),
         zero_modes: reports().map(|r| r.zero_modes).sum::<usize>().min(wanted),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bodies_of_which_one_is_in_single_precision_become_so_together() {
+        // Two bodies of two rows each, which alternate.
+        let members = [vec![0, 2], vec![1, 3]];
+        let whole = |first: Functions, second: Functions| {
+            let solve = |body: usize, _: usize| {
+                let (values, functions) = [(vec![0.0, 3.0], &first), (vec![0.0, 2.0], &second)][body].clone();
+                let basis = Eigenbasis::new(Domain::Volume, vec![0.5; 2], values, functions.clone());
+                Ok(Spectrum::new(basis.unwrap(), SpectrumReport::new(SolverUsed::Dense)))
+            };
+            merge(Domain::Volume, &[0.5; 4], &members, 3, solve).unwrap().basis
+        };
+        let (first, second) = ([0.1, 0.2, 0.3, 0.4], [0.5, 0.6, 0.7, 0.8]);
+        let expected = [0.1, 0.0, 0.0, 0.0, 0.5, 0.6, 0.3, 0.0, 0.0, 0.0, 0.7, 0.8];
+        let double = whole(first.to_vec().into(), second.to_vec().into());
+        assert_eq!(double.eigenvalues(), [0.0, 0.0, 2.0]);
+        assert_eq!(double.functions(), FunctionsView::Double(&expected));
+        let single = |x: [f64; 4]| Functions::from(x.map(|x| x as f32).to_vec());
+        for second in [single(second), second.to_vec().into()] {
+            let found = whole(single(first), second);
+            assert_eq!(found.functions(), FunctionsView::Single(&expected.map(|x| x as f32)));
+        }
     }
 }

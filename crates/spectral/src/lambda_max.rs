@@ -1,7 +1,5 @@
 //! All eigenpairs below a bound, whose number is only known about.
 
-use mser3d_shape::Eigenbasis;
-
 use crate::{SpectralError, Spectrum};
 
 /// All eigenpairs below `bound`, at least one, by asking `solve` for more until one lies beyond it. `guess`
@@ -17,25 +15,15 @@ pub(crate) fn all_below(
         let spectrum = solve(asked)?;
         let inside = spectrum.basis.eigenvalues().partition_point(|&value| value < bound);
         if inside < asked || asked == available {
-            return first(spectrum, inside.max(1));
+            return Ok(first(spectrum, inside.max(1)));
         }
         asked = (asked + asked / 2 + 8).min(available);
     }
 }
 
 /// The first `count` eigenpairs.
-fn first(spectrum: Spectrum, count: usize) -> Result<Spectrum, SpectralError> {
-    let basis = &spectrum.basis;
-    let all = basis.eigenvalues().len();
-    if count == all {
-        return Ok(spectrum);
-    }
-    let rows = basis.functions().chunks_exact(all);
-    let functions = rows.flat_map(|row| row[..count].iter().copied()).collect();
-    let values = basis.eigenvalues()[..count].to_vec();
-    let mut report = spectrum.report;
-    report.zero_modes = report.zero_modes.min(count);
-    let basis = Eigenbasis::new(basis.domain(), basis.mass().to_vec(), values, functions)
-        .map_err(|_| SpectralError::Overflow)?;
-    Ok(Spectrum { basis, report })
+fn first(mut spectrum: Spectrum, count: usize) -> Spectrum {
+    spectrum.basis.truncate(count);
+    spectrum.report.zero_modes = spectrum.report.zero_modes.min(count);
+    spectrum
 }

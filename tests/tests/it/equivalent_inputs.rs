@@ -14,7 +14,7 @@ fn bits(features: &Features) -> Vec<u64> {
     let mut bits: Vec<u64> = Vec::new();
     let mut put = |x: f64| bits.push(x.to_bits());
     for body in &features.bodies {
-        body.basis.eigenvalues().iter().chain(body.basis.functions()).for_each(|&x| put(x));
+        body.basis.eigenvalues().iter().copied().chain(body.basis.functions().values()).for_each(&mut put);
     }
     for region in &features.regions {
         region.elements.iter().for_each(|&e| put(f64::from(e)));

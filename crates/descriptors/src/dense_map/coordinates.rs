@@ -125,8 +125,8 @@ pub(super) fn anchors(
         .collect();
     let signatures: Vec<Vec<f64>> = params.signature_times.iter().map(|&time| decay(time)).collect();
     let measure = basis.measure();
-    let of_point = |&point: &u32| {
-        let functions = basis.at(point as usize);
+    let of_point = |scratch: &mut Vec<f64>, &point: &u32| {
+        let functions = basis.row(point as usize, 0..eigenpairs, scratch);
         let mut row = Vec::with_capacity(regions.len() * flows.len() + signatures.len());
         for (weights, of_regions) in &flows {
             let own = direction(functions, weights);
@@ -138,7 +138,7 @@ pub(super) fn anchors(
         }
         row
     };
-    let values: Vec<f32> = points.par_iter().flat_map_iter(of_point).collect();
+    let values: Vec<f32> = points.par_iter().map_init(Vec::new, of_point).flatten_iter().collect();
     let width = regions.len() * flows.len() + signatures.len();
     Ok(Anchors { points: Points::new(width, values), signatures: signatures.len() })
 }
@@ -146,9 +146,12 @@ pub(super) fn anchors(
 /// The first k eigenfunctions at some of the points, without a unit: their mean square over the shape is 1.
 pub(super) fn functions_at(shape: &MapShape, places: &[usize], k: usize) -> Vec<f64> {
     let scale = shape.basis.measure().sqrt();
-    let row =
-        |&place: &usize| shape.basis.at(shape.points[place] as usize)[..k].iter().map(move |x| x * scale);
-    places.iter().flat_map(row).collect()
+    let (mut values, mut scratch) = (Vec::with_capacity(places.len() * k), Vec::new());
+    for &place in places {
+        let functions = shape.basis.row(shape.points[place] as usize, 0..k, &mut scratch);
+        values.extend(functions.iter().map(|x| x * scale));
+    }
+    values
 }
 
 /// The mean of each eigenfunction over a region.
@@ -159,7 +162,7 @@ fn mean(shape: &MapShape, region: usize) -> Result<Vec<f64>, DescriptorError> {
         return Err(DescriptorError::SizeMismatch { what, found: shape.regions.len(), expected });
     };
     let mut sums = vec![0.0; shape.basis.eigenvalues().len()];
-    let mut total = 0.0;
+    let (mut total, mut scratch) = (0.0, Vec::new());
     for &index in elements {
         let Some(mass) = shape.basis.mass().get(index as usize) else {
             return Err(DescriptorError::IndexOutOfRange {
@@ -170,7 +173,8 @@ fn mean(shape: &MapShape, region: usize) -> Result<Vec<f64>, DescriptorError> {
             });
         };
         total += mass;
-        sums.iter_mut().zip(shape.basis.at(index as usize)).for_each(|(sum, phi)| *sum += mass * phi);
+        let functions = shape.basis.row(index as usize, 0..sums.len(), &mut scratch);
+        sums.iter_mut().zip(functions).for_each(|(sum, phi)| *sum += mass * phi);
     }
     if total <= 0.0 {
         return Err(DescriptorError::EmptyRegion { region });

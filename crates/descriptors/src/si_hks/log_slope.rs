@@ -5,6 +5,7 @@
 //! registers; written with explicit vectors, since the plain loops came out three times slower.
 
 use crate::spectral_sums;
+use mser3d_shape::EigenbasisView;
 use pulp::{Arch, Simd, WithSimd};
 use std::f64::consts::LN_2;
 
@@ -46,16 +47,21 @@ impl SlopeTable {
         Self { tiles, samples: times.len(), arch: Arch::new() }
     }
 
-    /// Writes the slopes of up to [`BLOCK`] vertices, a row each; `phi` gives the values of all modes at
-    /// each.
-    pub(super) fn slopes<'a>(&self, phi: impl ExactSizeIterator<Item = &'a [f64]>, rows: &mut [f64]) {
+    /// Writes the slopes of up to [`BLOCK`] vertices, a row each.
+    pub(super) fn slopes(
+        &self,
+        basis: EigenbasisView<'_>,
+        vertices: impl ExactSizeIterator<Item = usize>,
+        rows: &mut [f64],
+    ) {
         let modes = self.tiles.first().map_or(0, Vec::len);
-        let count = phi.len();
+        let count = vertices.len();
         // Mode by mode within each group of vertices; the last group's missing vertices stay zero.
         let mut squares = vec![[0.0; VERTICES]; count.div_ceil(VERTICES) * modes];
-        for (i, phi) in phi.enumerate() {
+        let mut scratch = Vec::new();
+        for (i, vertex) in vertices.enumerate() {
             let group = &mut squares[i / VERTICES * modes..][..modes];
-            for (square, phi) in group.iter_mut().zip(phi) {
+            for (square, phi) in group.iter_mut().zip(basis.row(vertex, 0..modes, &mut scratch)) {
                 square[i % VERTICES] = phi * phi;
             }
         }

@@ -38,16 +38,17 @@ fn grid_basis(dims: &[usize], h: f64, domain: Domain, cell: f64) -> Eigenbasis {
         };
         digits(mode).into_iter().zip(digits(vertex)).zip(dims).map(one).product::<f64>() / cell.sqrt()
     };
-    let functions = (0..n).flat_map(|v| modes.iter().map(move |&m| phi(v, m)).collect::<Vec<_>>()).collect();
+    let functions: Vec<f64> =
+        (0..n).flat_map(|v| modes.iter().map(move |&m| phi(v, m)).collect::<Vec<_>>()).collect();
     let values = modes.iter().map(|&m| lambda(m)).collect();
     Eigenbasis::new(domain, vec![cell; n], values, functions).unwrap()
 }
 
 /// Only the first k eigenpairs.
 pub fn truncated(basis: &Eigenbasis, k: usize) -> Eigenbasis {
-    let functions = (0..basis.len()).flat_map(|v| basis.at(v)[..k].to_vec()).collect();
-    let values = basis.eigenvalues()[..k].to_vec();
-    Eigenbasis::new(basis.domain(), basis.mass().to_vec(), values, functions).unwrap()
+    let mut basis = basis.clone();
+    basis.truncate(k);
+    basis
 }
 
 /// Runs on a pool of this many threads.

@@ -48,7 +48,7 @@ fn a_shape_is_mapped_to_itself_and_to_its_mirror_image() {
     // The same shape in another size, with the signs of some eigenfunctions changed.
     let other = truncated(&box_basis(DIMS, 0.3), 60);
     let sign = |at: usize| if at.is_multiple_of(3) { -1.0 } else { 1.0 };
-    let functions = other.functions().iter().enumerate().map(|(i, x)| sign(i % 60) * x).collect();
+    let functions: Vec<f64> = other.functions().values().enumerate().map(|(i, x)| sign(i % 60) * x).collect();
     let other =
         Eigenbasis::new(other.domain(), other.mass().to_vec(), other.eigenvalues().to_vec(), functions)
             .unwrap();

@@ -214,7 +214,7 @@ fn wrong_input_is_named() {
     }
     let error = heat_kernel(&basis, 1.0, &[[0, 1], [2, 4]]).unwrap_err();
     assert_eq!(error.to_string(), "edge 1 names vertex 4, but there are 4 vertices (numbered from 0)");
-    let empty = Eigenbasis::new(Domain::Volume, vec![], vec![0.0], vec![]).unwrap();
+    let empty = Eigenbasis::new(Domain::Volume, vec![], vec![0.0], Vec::<f64>::new()).unwrap();
     assert_eq!(
         auto_diffusivity(&empty, 1.0),
         Err(DescriptorError::EmptyBasis { vertices: 0, eigenpairs: 1 })

@@ -7,6 +7,7 @@ mod example;
 mod heat;
 mod json;
 mod matching;
+mod precision;
 mod signatures;
 
 #[test]

@@ -14,7 +14,7 @@ fn naive_si_hks(basis: &Eigenbasis, params: &SiHksParameters) -> Vec<f64> {
         let slope = |j: usize| {
             let t = unit * 2f64.powf(params.tau_start + j as f64 / params.samples_per_octave as f64);
             let (mut heat, mut loss) = (0.0, 0.0);
-            for (l, phi) in basis.eigenvalues().iter().zip(phi) {
+            for (l, phi) in basis.eigenvalues().iter().zip(&*phi) {
                 heat += (-l * t).exp() * phi * phi;
                 loss += l * (-l * t).exp() * phi * phi;
             }
@@ -110,7 +110,7 @@ fn late_times_do_not_underflow() {
 
     // Without the zero mode the slowest mode rules: log H falls like -lambda_1 t, and its slope is exact
     // where H itself is far below the smallest number.
-    let functions = (0..basis.len()).flat_map(|v| basis.at(v)[1..].to_vec()).collect();
+    let functions: Vec<f64> = (0..basis.len()).flat_map(|v| basis.at(v)[1..].to_vec()).collect();
     let values = basis.eigenvalues()[1..].to_vec();
     let basis = Eigenbasis::new(basis.domain(), basis.mass().to_vec(), values, functions).unwrap();
     params = SiHksParameters { unit: Some(1.0), tau_start: 12.0, tau_end: 13.0, frequencies: 1, ..params };

@@ -30,6 +30,13 @@ def numbers(name: str, value: Any, shape: tuple[int | None, ...] | None = None) 
     return np.asarray(found, dtype=np.float64, order="C")
 
 
+def functions(name: str, value: Any) -> np.ndarray:
+    """As contiguous rows of float32 where they are float32, else of float64."""
+    found = array(name, value)
+    check_shape(name, found, (None, None))
+    return np.asarray(found, dtype=np.float32 if found.dtype == np.float32 else np.float64, order="C")
+
+
 def indices(name: str, value: Any, shape: tuple[int | None, ...]) -> np.ndarray:
     """As contiguous int64, with this shape."""
     found = array(name, value)

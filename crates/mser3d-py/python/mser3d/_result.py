@@ -173,7 +173,10 @@ class Result:
 
     @functools.cached_property
     def evecs(self) -> np.ndarray:
-        """Eigenfunctions of the largest body in columns, orthonormal under the mass: (n, k); rows as in `evec_elements`."""
+        """Eigenfunctions of the largest body in columns, orthonormal under the mass: (n, k); rows as in `evec_elements`.
+
+        float64, or float32 where they are held so, as by a folder that was saved.
+        """
         return self._native.evecs(0)
 
     @functools.cached_property

@@ -18,7 +18,7 @@ def heat_kernel(evals: Any, evecs: Any, t: Any, *, pairs: Any = None) -> np.ndar
     evals : (k,) array
         Eigenvalues, ascending, in L^-2.
     evecs : (n, k) array
-        Eigenfunctions in columns, orthonormal under the mass.
+        Eigenfunctions in columns, orthonormal under the mass. Those of float32 are taken as they are; sums are in float64.
     t : float or array
         Time, in L^2; several give a column each.
     pairs : (m, 2) array
@@ -82,7 +82,7 @@ def si_vhks(
 
 
 def _pairs(evals: Any, evecs: Any) -> tuple[np.ndarray, np.ndarray]:
-    functions = _arrays.numbers("evecs", evecs, (None, None))
+    functions = _arrays.functions("evecs", evecs)
     values = _arrays.finite("evals", _arrays.numbers("evals", evals, (functions.shape[1],)))
     if functions.size == 0:
         raise ValueError(f"evecs: is empty, of shape {functions.shape}")

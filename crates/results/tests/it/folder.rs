@@ -3,11 +3,15 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
-use mser3d::shape::TriangleMesh;
+use mser3d::shape::{FunctionsView, TriangleMesh};
 use mser3d::voxelize::Pitch;
 use mser3d::{Detector, Input, Parameters};
+use mser3d_fileio::{NpyValues, read_npz};
 use mser3d_meshio::{ReadOptions, read_mesh};
-use mser3d_results::{Checksums, EXPORT_ENDINGS, FORMAT, RegionPair, RenderOptions, Results, Up};
+use mser3d_results::{
+    Checksums, EXPORT_ENDINGS, Eigenfunctions, Extra, FORMAT, RegionPair, RenderOptions, Results,
+    ResultsFolder, Up,
+};
 use mser3d_viewer::{NO_REGION, Rgb};
 
 fn dumbbell() -> TriangleMesh {
@@ -278,4 +282,35 @@ fn the_ending_says_what_is_exported() {
     surface.grid = None;
     let error = surface.export(&path("b.vti")).unwrap_err().to_string();
     assert!(error.contains("write .vtp") && !path("b.vti").exists(), "{error}");
+}
+
+#[test]
+fn eigenfunctions_come_back_in_single_precision_and_are_written_again_as_they_are() {
+    let mesh = dumbbell();
+    let features = Detector::new(parameters()).detect(Input::Volume(&mesh)).unwrap();
+    let extras = [Extra::Eigenfunctions, Extra::Signatures, Extra::Fields];
+    let results = Results::new(&features, Some(&mesh), PATH).unwrap().with_extras(&features, &extras);
+    let (first, second) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let write = |results: &Results, folder: &Path| {
+        ResultsFolder::create(folder).unwrap().write(results, &extras).unwrap();
+    };
+    write(&results, first.path());
+    let mut again = Results::load(first.path()).unwrap();
+    let read = Eigenfunctions::load(first.path(), &again).unwrap();
+    let rounded: Vec<f32> = features.bodies[0].basis.functions().values().map(|x| x as f32).collect();
+    assert_eq!(read[0].basis.functions(), FunctionsView::Single(&rounded));
+
+    again.eigenfunctions = Some(read);
+    write(&again, second.path());
+    let bytes = |folder: &Path, name: &str| std::fs::read(folder.join(name)).unwrap();
+    let name = "eigenfunctions.npz";
+    assert_eq!(bytes(first.path(), name), bytes(second.path(), name));
+    let signatures = [&first, &second].map(|folder| {
+        let arrays = read_npz(&folder.path().join("signatures.npz")).unwrap();
+        let NpyValues::F64(values) = arrays["signature"].values().clone() else { panic!("no doubles") };
+        values.into_owned()
+    });
+    let scale = signatures[0].iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+    let differences = signatures[0].iter().zip(&signatures[1]).map(|(a, b)| (a - b).abs());
+    assert!(differences.fold(0.0, f64::max) < 1e-6 * scale);
 }

@@ -35,8 +35,8 @@ pub fn solve_and_print(case: &Case, solver: Eigensolver) -> Result<(), Box<dyn E
             (spectrum, watch.stop())
         }
     };
-    let (values, functions) = (spectrum.basis.eigenvalues(), spectrum.basis.functions());
-    let (residual, orthogonality) = residual_and_orthogonality(&problem.operator()?, values, functions);
+    let (values, functions) = (spectrum.basis.eigenvalues(), spectrum.basis.functions().to_f64());
+    let (residual, orthogonality) = residual_and_orthogonality(&problem.operator()?, values, &functions);
     let answer = json!({
         "cpu": usage.cpu,
         "wall": usage.wall,
@@ -54,6 +54,6 @@ pub fn solve_and_print(case: &Case, solver: Eigensolver) -> Result<(), Box<dyn E
 
 /// FNV-1a over the bits of all eigenvalues and functions: equal bits, equal digests.
 fn digest(spectrum: &Spectrum) -> u64 {
-    let numbers = spectrum.basis.eigenvalues().iter().chain(spectrum.basis.functions());
+    let numbers = spectrum.basis.eigenvalues().iter().copied().chain(spectrum.basis.functions().values());
     numbers.fold(0xcbf2_9ce4_8422_2325, |hash, x| (hash ^ x.to_bits()).wrapping_mul(0x0100_0000_01b3))
 }
