@@ -33,7 +33,7 @@ pub enum CacheUse {
 }
 
 /// Changes whenever the same parameters would give another spectrum or its file another layout.
-const GENERATION: &str = concat!("mser3d spectrum 3, version ", env!("CARGO_PKG_VERSION"));
+const GENERATION: &str = concat!("mser3d spectrum 4, version ", env!("CARGO_PKG_VERSION"));
 
 impl SpectrumCache {
     /// A cache in a folder, which is made if it is not there.

@@ -2,7 +2,7 @@ use std::ops::ControlFlow;
 
 use mser3d_descriptors::TimeScale;
 use mser3d_shape::Domain;
-use mser3d_spectral::{Eigensolver, SpectrumParameters};
+use mser3d_spectral::{Eigensolver, SINGLE_PRECISION, SpectrumParameters};
 
 use crate::reliability::{COARSER, Original, occupied};
 use crate::weighing::KEPT_ELEMENTS;
@@ -56,8 +56,10 @@ const BEGIN: f64 = 0.01;
 /// Bytes that any run takes.
 const MEMORY: f64 = 1.6e7;
 
-/// Bytes that an element takes beside the numbers of the spectrum and the weight; and one of a large shape, of which less is kept.
+/// Bytes that an element takes beside the numbers of the spectrum and the weight; and one of a large shape, of which less is kept: while
+/// its spectrum is computed, and beside its eigenfunctions.
 const BESIDE: f64 = 200.0;
+const BESIDE_SOLVER: f64 = 20.0;
 const BESIDE_LARGE: f64 = 100.0;
 
 /// Bytes that a triangle takes while it is voxelized and its vertices look for their voxels, the mesh and its file included.
@@ -110,9 +112,15 @@ impl Parameters {
             descriptors: 1.5 * elements * samples as f64 * (1.8e-9 + 0.035e-9 * k),
             parts: if self.parts.is_some() { PARTS * elements } else { 0.0 },
         };
-        let numbers = spectrum.numbers + weight.numbers;
-        let beside = if n > KEPT_ELEMENTS { BESIDE_LARGE } else { BESIDE };
-        let search = 8.0 * numbers + beside * elements + 2.0 * in_box;
+        let search = if n > KEPT_ELEMENTS {
+            // Nothing of the solver is left when regions are searched for.
+            let solving = 8.0 * spectrum.numbers + BESIDE_SOLVER * elements;
+            let basis = if spectrum.single { 4.0 } else { 8.0 } * elements * k;
+            solving.max(basis + BESIDE_LARGE * elements)
+        } else {
+            8.0 * spectrum.numbers + BESIDE * elements
+        };
+        let search = search + 8.0 * weight.numbers + 2.0 * in_box;
         let memory = MEMORY + search.max(TRIANGLE * solid.triangles);
         Estimate {
             elements: n,
@@ -164,8 +172,10 @@ const COPY_EIGENPAIRS: f64 = 25.0;
 /// What a part of the work takes.
 struct Work {
     seconds: f64,
-    /// Numbers in memory at its peak.
+    /// Numbers in memory at its peak, in double precision.
     numbers: f64,
+    /// Whether eigenfunctions are in single precision.
+    single: bool,
 }
 
 /// Orthogonalization of Krylov bases, which are larger than the wanted eigenpairs by a few blocks.
@@ -175,8 +185,11 @@ fn orthogonalization(n: f64, k: f64) -> f64 {
 
 /// All eigenpairs by a dense solver, small ones in the cache, where an iteration's basis would be as large: up to 400 rows, or 2.5 k + 80.
 fn dense(n: f64, k: f64) -> Option<Work> {
-    (n <= 400.0 || n < 2.5 * k + 80.0)
-        .then(|| Work { seconds: 1.5e-9 * n.powi(3) * (n / 800.0).min(1.0), numbers: 3.0 * n * n })
+    (n <= 400.0 || n < 2.5 * k + 80.0).then(|| Work {
+        seconds: 1.5e-9 * n.powi(3) * (n / 800.0).min(1.0),
+        numbers: 3.0 * n * n,
+        single: false,
+    })
 }
 
 /// Shift-invert on small grids, the polynomial filter on those with 96 times more voxels than eigenpairs, multigrid on the largest.
@@ -194,7 +207,10 @@ fn volume_spectrum(n: f64, k: f64, parameters: &SpectrumParameters) -> Work {
         // Corrections, and for every three all are made orthogonal.
         let (columns, corrections) = (1.1 * k + 8.0, 0.45 * digits);
         let seconds = n * columns * corrections * (17e-9 + 0.04e-9 * columns);
-        return Work { seconds, numbers: n * (columns + 24.0) };
+        let single = parameters.tolerance >= SINGLE_PRECISION;
+        // Vectors come in blocks of eight.
+        let columns = if single { (1.1 * (k - 1.0) / 8.0).ceil() * 4.0 + 9.0 } else { columns + 24.0 };
+        return Work { seconds, numbers: n * columns, single };
     }
     let filter = match solver {
         Eigensolver::Auto => n >= 96.0 * k.max(16.0),
@@ -205,11 +221,15 @@ fn volume_spectrum(n: f64, k: f64, parameters: &SpectrumParameters) -> Work {
         // The factor and solves with it; the projected matrices.
         let factor = 0.3e-9 * n * n + 13e-9 * n.powf(4.0 / 3.0) * k;
         let seconds = factor + orthogonalization(n, k) + 6.5e-9 * k.powi(3);
-        return Work { seconds, numbers: n * (2.6 * k + 60.0) + 8.0 * n.powf(4.0 / 3.0) };
+        return Work { seconds, numbers: n * (2.6 * k + 60.0) + 8.0 * n.powf(4.0 / 3.0), single: false };
     }
     let block = k + 30.0;
     let updates = 9.5 * n.powf(4.0 / 3.0) * block.powf(2.0 / 3.0);
-    Work { seconds: 0.5e-9 * updates + orthogonalization(n, block), numbers: n * (1.7 * k + 90.0) }
+    Work {
+        seconds: 0.5e-9 * updates + orthogonalization(n, block),
+        numbers: n * (1.7 * k + 90.0),
+        single: false,
+    }
 }
 
 /// Shift-invert with the sparser factors of surfaces.
@@ -217,6 +237,7 @@ fn surface_spectrum(n: f64, k: f64) -> Work {
     dense(n, k).unwrap_or_else(|| Work {
         seconds: 5e-6 * n + 7.4e-9 * n * n.log2() * k + orthogonalization(n, k) + 6.5e-9 * k.powi(3),
         numbers: n * (2.6 * k + 60.0) + 6.0 * n * n.log2(),
+        single: false,
     })
 }
 
@@ -233,7 +254,7 @@ fn weight_work(parameters: &Parameters, input: &Input, n: f64) -> Work {
     };
     let times = if weight.has_time_scale() { parameters.time_scales.len() } else { 1 };
     let matrix = if carried || parameters.smooth_weight.is_some() { 30.0 * n } else { 0.0 };
-    Work { seconds: carry + times as f64 * smooth, numbers: matrix }
+    Work { seconds: carry + times as f64 * smooth, numbers: matrix, single: false }
 }
 
 /// What it takes to get the voxels of a solid.

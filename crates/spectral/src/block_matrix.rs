@@ -10,7 +10,8 @@ use mser3d_shape::SplitMix64;
 use rayon::prelude::*;
 
 use crate::kernels::{
-    Block, LANES, Lanes, Square, add_own_products, add_products, combine, rotate, squares, total, with_next,
+    Block, LANES, Lanes, Row, Square, add_own_products, add_products, combine, rotate, squares, total,
+    with_next,
 };
 
 /// Rows in a chunk: of a block 32 KB, enough for the processor to fetch ahead.
@@ -22,18 +23,18 @@ pub(crate) const PIECE: usize = 1 << 20;
 
 /// A matrix of `rows` rows and whole blocks of columns.
 #[derive(Clone, Debug)]
-pub(crate) struct BlockMatrix {
+pub(crate) struct BlockMatrix<R = Lanes> {
     rows: usize,
-    blocks: Vec<Block>,
+    blocks: Vec<Block<R>>,
 }
 
-impl BlockMatrix {
+impl<R: Row> BlockMatrix<R> {
     /// At least `columns` columns of zeros.
     pub fn zeros(rows: usize, columns: usize) -> Self {
-        Self { rows, blocks: vec![vec![Lanes::ZERO; rows]; columns.div_ceil(LANES)] }
+        Self { rows, blocks: vec![vec![R::ZERO; rows]; columns.div_ceil(LANES)] }
     }
 
-    pub fn from_blocks(rows: usize, blocks: Vec<Block>) -> Self {
+    pub fn from_blocks(rows: usize, blocks: Vec<Block<R>>) -> Self {
         Self { rows, blocks }
     }
 
@@ -43,42 +44,15 @@ impl BlockMatrix {
 
     #[inline]
     pub fn at(&self, row: usize, column: usize) -> f64 {
-        self.blocks[column / LANES][row].0[column % LANES]
+        self.blocks[column / LANES][row].wide().0[column % LANES]
     }
 
-    pub fn blocks(&self) -> &[Block] {
+    pub fn blocks(&self) -> &[Block<R>] {
         &self.blocks
     }
 
-    pub fn blocks_mut(&mut self) -> &mut Vec<Block> {
+    pub fn blocks_mut(&mut self) -> &mut Vec<Block<R>> {
         &mut self.blocks
-    }
-
-    /// Sets the first `columns` columns, row by row.
-    pub fn fill(&mut self, columns: usize, mut value: impl FnMut(usize, usize) -> f64) {
-        for row in 0..self.rows {
-            for column in 0..columns {
-                self.blocks[column / LANES][row].0[column % LANES] = value(row, column);
-            }
-        }
-    }
-
-    /// Fills some columns with random numbers between -1 and 1.
-    pub fn fill_noise(&mut self, columns: Range<usize>, random: &mut SplitMix64) {
-        for column in columns {
-            for row in &mut self.blocks[column / LANES] {
-                row.0[column % LANES] = 2.0 * random.uniform() - 1.0;
-            }
-        }
-    }
-
-    /// Divides each column by its divisor.
-    pub fn divide_columns(&mut self, divisors: &[f64]) {
-        self.blocks.iter_mut().zip(divisors.chunks(LANES)).for_each(|(block, divisors)| {
-            for row in block {
-                divisors.iter().zip(&mut row.0).for_each(|(divisor, x)| *x /= divisor);
-            }
-        });
     }
 
     /// Rows of `width` numbers, in another order: `set(matrix, row, i, target)` sets the i-th from the row `source[i]`, which lies at
@@ -88,9 +62,9 @@ impl BlockMatrix {
         self,
         source: &[u32],
         width: usize,
-        set: impl Fn(&Self, usize, usize, &mut [f64]) + Sync,
-    ) -> Vec<f64> {
-        let mut all = vec![0.0; self.rows * width];
+        set: impl Fn(&Self, usize, usize, &mut [R::Number]) + Sync,
+    ) -> Vec<R::Number> {
+        let mut all = vec![R::ZERO_NUMBER; self.rows * width];
         if self.rows <= PIECE {
             let targets = all.par_chunks_exact_mut(width).enumerate().with_min_len(CHUNK);
             targets.for_each(|(i, target)| set(&self, source[i] as usize, i, target));
@@ -135,10 +109,12 @@ impl BlockMatrix {
         let (m, n) = (left.len(), other.blocks.len());
         let partial = |group: usize| {
             let mut sums = vec![[Lanes::ZERO; LANES]; m * n];
+            let [mut left_room, mut right_room] = [m, n].map(|blocks| vec![Vec::new(); blocks]);
             for chunk in group * GROUP..((group + 1) * GROUP).min(self.rows.div_ceil(CHUNK)) {
                 let rows = self.rows_of(chunk);
-                let right: Vec<&[Lanes]> = other.blocks.iter().map(|b| &b[rows.clone()]).collect();
-                for (i, a) in with_next(left, rows.clone()).enumerate() {
+                let left = widened(left, rows.clone(), &mut left_room);
+                let right = widened(&other.blocks, rows.clone(), &mut right_room);
+                for (i, a) in with_next(&left, 0..rows.len()).enumerate() {
                     let wanted = wanted(i);
                     let sums = &mut sums[i * n + wanted.start..i * n + wanted.end];
                     add_products(a, &right[wanted], sums);
@@ -149,6 +125,70 @@ impl BlockMatrix {
         let groups = self.rows.div_ceil(CHUNK * GROUP);
         let partials: Vec<Vec<Square>> = (0..groups).into_par_iter().map(partial).collect();
         total(partials, m, n)
+    }
+
+    /// `self = self coefficients`, in place; columns beyond those of the coefficients stay.
+    pub fn rotate(&mut self, coefficients: MatRef<'_, f64>) {
+        let squares = squares(coefficients, 1.0);
+        self.update(0, |_, targets, _| rotate(coefficients, &squares, targets));
+    }
+
+    /// Calls `work(rows, rows of all blocks, sums)` on every chunk of rows, in parallel, where sums are
+    /// squares for each of `m` blocks with each block of self. Returns the sums.
+    fn update(
+        &mut self,
+        m: usize,
+        work: impl Fn(Range<usize>, &mut [&mut [Lanes]], &mut [Square]) + Sync,
+    ) -> Mat<f64> {
+        let (n, all) = (self.blocks.len(), self.rows);
+        let mut groups: Vec<Vec<&mut [R]>> = (0..all.div_ceil(CHUNK * GROUP)).map(|_| Vec::new()).collect();
+        for block in &mut self.blocks {
+            for (group, rows) in groups.iter_mut().zip(block.chunks_mut(CHUNK * GROUP)) {
+                group.push(rows);
+            }
+        }
+        let partial = |(group, mut blocks): (usize, Vec<&mut [R]>)| {
+            let mut sums = vec![[Lanes::ZERO; LANES]; m * n];
+            for chunk in group * GROUP..((group + 1) * GROUP).min(all.div_ceil(CHUNK)) {
+                let rows = chunk * CHUNK..((chunk + 1) * CHUNK).min(all);
+                let first = rows.start - group * GROUP * CHUNK;
+                let mut targets: Vec<&mut [R]> =
+                    blocks.iter_mut().map(|block| &mut block[first..first + rows.len()]).collect();
+                R::change(&mut targets, |targets| work(rows, targets, &mut sums));
+            }
+            sums
+        };
+        let partials = groups.into_par_iter().enumerate().map(partial).collect();
+        total(partials, m, n)
+    }
+}
+
+impl BlockMatrix {
+    /// Sets the first `columns` columns, row by row.
+    pub fn fill(&mut self, columns: usize, mut value: impl FnMut(usize, usize) -> f64) {
+        for row in 0..self.rows {
+            for column in 0..columns {
+                self.blocks[column / LANES][row].0[column % LANES] = value(row, column);
+            }
+        }
+    }
+
+    /// Fills some columns with random numbers between -1 and 1.
+    pub fn fill_noise(&mut self, columns: Range<usize>, random: &mut SplitMix64) {
+        for column in columns {
+            for row in &mut self.blocks[column / LANES] {
+                row.0[column % LANES] = 2.0 * random.uniform() - 1.0;
+            }
+        }
+    }
+
+    /// Divides each column by its divisor.
+    pub fn divide_columns(&mut self, divisors: &[f64]) {
+        self.blocks.iter_mut().zip(divisors.chunks(LANES)).for_each(|(block, divisors)| {
+            for row in block {
+                divisors.iter().zip(&mut row.0).for_each(|(divisor, x)| *x /= divisor);
+            }
+        });
     }
 
     /// `self -= other[:, blocks] coefficients`.
@@ -190,12 +230,6 @@ impl BlockMatrix {
         })
     }
 
-    /// `self = self coefficients`, in place; columns beyond those of the coefficients stay.
-    pub fn rotate(&mut self, coefficients: MatRef<'_, f64>) {
-        let squares = squares(coefficients, 1.0);
-        self.update(0, |_, targets, _| rotate(coefficients, &squares, targets));
-    }
-
     /// As [`Self::rotate`], and in the same pass `self^T self` of the result.
     pub fn rotate_then_self_gram(&mut self, coefficients: MatRef<'_, f64>) -> Mat<f64> {
         let squares = squares(coefficients, 1.0);
@@ -204,36 +238,15 @@ impl BlockMatrix {
             add_own_products(targets, sums);
         })
     }
+}
 
-    /// Calls `work(rows, rows of all blocks, sums)` on every chunk of rows, in parallel, where sums are
-    /// squares for each of `m` blocks with each block of self. Returns the sums.
-    fn update(
-        &mut self,
-        m: usize,
-        work: impl Fn(Range<usize>, &mut [&mut [Lanes]], &mut [Square]) + Sync,
-    ) -> Mat<f64> {
-        let (n, all) = (self.blocks.len(), self.rows);
-        let mut groups: Vec<Vec<&mut [Lanes]>> =
-            (0..all.div_ceil(CHUNK * GROUP)).map(|_| Vec::new()).collect();
-        for block in &mut self.blocks {
-            for (group, rows) in groups.iter_mut().zip(block.chunks_mut(CHUNK * GROUP)) {
-                group.push(rows);
-            }
-        }
-        let partial = |(group, mut blocks): (usize, Vec<&mut [Lanes]>)| {
-            let mut sums = vec![[Lanes::ZERO; LANES]; m * n];
-            for chunk in group * GROUP..((group + 1) * GROUP).min(all.div_ceil(CHUNK)) {
-                let rows = chunk * CHUNK..((chunk + 1) * CHUNK).min(all);
-                let first = rows.start - group * GROUP * CHUNK;
-                let mut targets: Vec<&mut [Lanes]> =
-                    blocks.iter_mut().map(|block| &mut block[first..first + rows.len()]).collect();
-                work(rows, &mut targets, &mut sums);
-            }
-            sums
-        };
-        let partials = groups.into_par_iter().enumerate().map(partial).collect();
-        total(partials, m, n)
-    }
+/// Rows of each block in double precision.
+fn widened<'a, R: Row>(
+    blocks: &'a [Block<R>],
+    rows: Range<usize>,
+    room: &'a mut [Vec<Lanes>],
+) -> Vec<&'a [Lanes]> {
+    blocks.iter().zip(room).map(|(block, room)| R::widened(&block[rows.clone()], room)).collect()
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Chebyshev polynomials of the grid Laplacian, applied to blocks of vectors without a matrix.
 
-use crate::kernels::Lanes;
+use crate::kernels::Row;
 use crate::stencil::{SlicedStencil, Step};
 use crate::temporal_blocking::{self, Tiling};
 
@@ -21,13 +21,13 @@ impl Polynomial {
 
     /// `x = p(A) x`; `work` is of the size of x and holds rubbish afterwards. Asks now and then whether
     /// it was `cancelled`, and then stops with rubbish in x. Up to `parts` threads share the rows.
-    pub fn apply(
+    pub fn apply<R: Row>(
         self,
         stencil: &SlicedStencil,
         tiling: Tiling,
         parts: usize,
-        x: &mut [Lanes],
-        work: &mut [Lanes],
+        x: &mut [R],
+        work: &mut [R],
         cancelled: &(dyn Fn() -> bool + Sync),
     ) {
         // An even number of steps leaves the result in x.
@@ -61,7 +61,7 @@ impl Polynomial {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernels::LANES;
+    use crate::kernels::{LANES, Lanes};
     use mser3d_shape::{BitGrid, Frame, VoxelGrid};
 
     #[test]
@@ -77,7 +77,7 @@ mod tests {
         let value = |v: u32, l: usize| ((f64::from(voxels[v as usize][0]) + 0.5) * angle(l)).cos();
         let start: Vec<Lanes> =
             stencil.order.iter().map(|&v| Lanes(std::array::from_fn(|l| value(v, l)))).collect();
-        let whole = Tiling::new(&stencil);
+        let whole = Tiling::new::<Lanes>(&stencil);
         // Tiles narrower than a wave is long, of all widths that leave something over.
         let tiles = [(8, 1), (8, 3), (5, 4), (3, 8), (16, 9)].map(|(steps, lines)| Tiling { steps, lines });
         let plain = [(2, 1), (7, 1), (40, 1), (7, 2), (40, 2), (40, 3)].map(|(d, parts)| (d, parts, whole));

@@ -3,7 +3,7 @@
 use mser3d_laplace::Operator;
 
 use crate::block_matrix::BlockMatrix;
-use crate::null_space::NullSpace;
+use crate::kernels::Lanes;
 use crate::quality::{check_residuals, orthogonality, residuals};
 use crate::standard_problem::StandardProblem;
 use crate::{SolverUsed, SpectralError, Spectrum, SpectrumReport};
@@ -22,15 +22,14 @@ pub(crate) struct Pairs {
     pub applications: usize,
 }
 
-/// Converged eigenpairs of a grid without the null space.
-pub(crate) struct GridPairs {
+/// Converged eigenpairs of a connected grid without the constant.
+pub(crate) struct GridPairs<R = Lanes> {
     /// Ascending.
     pub values: Vec<f64>,
     /// Rows in the order of `order`.
-    pub vectors: BlockMatrix,
+    pub vectors: BlockMatrix<R>,
     /// The voxel of each row.
     pub order: Vec<u32>,
-    pub null_space: NullSpace,
     /// |A x - lambda x| / lambda of each pair.
     pub residuals: Vec<f64>,
     /// Upper bound of the spectrum.
@@ -58,7 +57,7 @@ impl Pairs {
         solver: SolverUsed,
     ) -> Result<Spectrum, SpectralError> {
         let residual =
-            check_residuals(&self.values, &self.residuals, problem.bound, tolerance, self.restarts)?;
+            check_residuals::<Lanes>(&self.values, &self.residuals, problem.bound, tolerance, self.restarts)?;
         let report = SpectrumReport {
             solver,
             iterations: self.restarts,

@@ -122,8 +122,9 @@ pub(crate) fn filtered_eigenpairs(
         let mut vectors = ritz.vectors;
         let (mut values, mut residuals) = rayleigh_quotients(&stencil, vectors.blocks_mut(), &mut work);
         let weak = |values: &[f64], residuals: &[f64]| -> Vec<usize> {
-            let short =
-                |&at: &usize| residuals[at] > attainable(parameters.tolerance, stencil.bound(), values[at]);
+            let short = |&at: &usize| {
+                residuals[at] > attainable::<Lanes>(parameters.tolerance, stencil.bound(), values[at])
+            };
             let mut blocks: Vec<usize> = (0..wanted).filter(short).map(|at| at / LANES).collect();
             blocks.dedup();
             blocks
@@ -168,7 +169,6 @@ pub(crate) fn filtered_eigenpairs(
             vectors,
             bound: stencil.bound(),
             order: stencil.order,
-            null_space,
             residuals,
             restarts,
             applications,
@@ -217,7 +217,7 @@ impl<'a> Filter<'a> {
         let degree = ((GROWTH / rate).ceil() as usize).next_multiple_of(2);
         let polynomial = Polynomial { degree, target: 0.0, cutoff };
         let floor = 1.0 / (degree as f64 * rate).cosh();
-        Self { stencil, tiling: Tiling::new(stencil), polynomial, floor, cancelled }
+        Self { stencil, tiling: Tiling::new::<Lanes>(stencil), polynomial, floor, cancelled }
     }
 
     /// `x = p(A) x`, all threads on one block after the other.

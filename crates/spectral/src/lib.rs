@@ -7,6 +7,7 @@
 //! * [`smallest_eigenpairs_of_grid`] solves it on a voxel grid without a matrix, by the same Lanczos
 //!   iteration on a Chebyshev polynomial of the stencil: several times faster, with memory for about `2.5 k`
 //!   vectors.
+//!   On large grids by multigrid, with memory for about `1.1 k` vectors.
 //! * [`count_below`] tells by a factorization how many eigenvalues lie below a bound.
 //!
 //! What is guaranteed:
@@ -14,7 +15,8 @@
 //! * Residuals are measured on the result, and a spectrum that misses the tolerance is an error. Where an
 //!   eigenvalue is so small that rounding alone moves A x by more (on shapes a thousand times longer than
 //!   thick, on meshes of slivers), a residual as small as rounding allows is accepted:
-//!   [`SpectrumReport::residual`] tells.
+//!   [`SpectrumReport::residual`] tells. Eigenfunctions in single precision, of large grids and loose tolerances, are
+//!   measured without the noise of their rounding.
 //! * A component whose rows of W sum to zero (a Neumann boundary, a closed surface) has an eigenvalue of
 //!   exactly 0 with an exactly constant eigenfunction.
 //! * No copy of a multiple eigenvalue is missed: components are solved one by one, and where as many
@@ -77,7 +79,7 @@ pub use mser3d_laplace as laplace;
 pub use mser3d_shape as shape;
 pub use parameters::{EigenpairRange, Eigensolver, SpectrumParameters};
 pub use report::{SolverUsed, Spectrum, SpectrumReport};
-pub use solve_grid::smallest_eigenpairs_of_grid;
+pub use solve_grid::{SINGLE_PRECISION, smallest_eigenpairs_of_grid};
 pub use solve_matrix::smallest_eigenpairs;
 
 #[cfg(doctest)]

@@ -68,7 +68,7 @@ pub struct SpectrumParameters {
     /// Which eigenpairs. Default: the 100 smallest, or as many as there are.
     pub eigenpairs: EigenpairRange,
     /// Largest relative residual |W phi - lambda M phi| / (lambda |phi|), in the norms of M^-1 and M.
-    /// Default 1e-9.
+    /// Default 1e-9. From 1e-4 on, [`Eigensolver::Multigrid`] keeps eigenfunctions in single precision.
     pub tolerance: f64,
     /// The algorithm. Default [`Eigensolver::Auto`].
     pub solver: Eigensolver,

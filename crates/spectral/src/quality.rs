@@ -5,17 +5,14 @@ use rayon::prelude::*;
 
 use crate::SpectralError;
 use crate::block_matrix::BlockMatrix;
-use crate::kernels::LANES;
+use crate::kernels::{LANES, Lanes, Row};
 use crate::standard_problem::StandardProblem;
-
-/// Units in the last place of the bound of the spectrum that rounding may put into `A x`.
-const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// `|A x - lambda x| / lambda` of each pair, measured on the vectors. An eigenvalue that is zero to rounding
 /// is replaced in the denominator by the largest one that still is.
 pub(crate) fn residuals(problem: &StandardProblem, values: &[f64], vectors: &BlockMatrix) -> Vec<f64> {
     let count = values.len();
-    let least = ROUNDING * problem.bound;
+    let least = Lanes::ROUNDING * problem.bound;
     let residuals = vectors.blocks()[..count.div_ceil(LANES)].par_iter().enumerate().map(|(b, x)| {
         let mut y = x.clone();
         problem.apply(x, &mut y);
@@ -36,12 +33,13 @@ pub(crate) fn residuals(problem: &StandardProblem, values: &[f64], vectors: &Blo
 /// The relative residual to reach at an eigenvalue: the tolerance, or what rounding allows. An operator
 /// of norm `bound` is applied with an error of a few units in the last place of `bound`, which is much of a
 /// small eigenvalue on long thin shapes and on meshes of very uneven triangles.
-pub(crate) fn attainable(tolerance: f64, bound: f64, eigenvalue: f64) -> f64 {
-    tolerance.max(ROUNDING * bound / eigenvalue.max(ROUNDING * bound))
+pub(crate) fn attainable<R: Row>(tolerance: f64, bound: f64, eigenvalue: f64) -> f64 {
+    let rounding = R::ROUNDING * bound;
+    tolerance.max(rounding / eigenvalue.max(rounding))
 }
 
 /// The largest residual, if all are below what is attainable.
-pub(crate) fn check_residuals(
+pub(crate) fn check_residuals<R: Row>(
     values: &[f64],
     residuals: &[f64],
     bound: f64,
@@ -49,7 +47,7 @@ pub(crate) fn check_residuals(
     restarts: usize,
 ) -> Result<f64, SpectralError> {
     let residual = residuals.iter().copied().fold(0.0, f64::max);
-    let good = |&(&value, &residual): &(&f64, &f64)| residual <= attainable(tolerance, bound, value);
+    let good = |&(&value, &residual): &(&f64, &f64)| residual <= attainable::<R>(tolerance, bound, value);
     let converged = values.iter().zip(residuals).filter(good).count();
     if converged == residuals.len() {
         return Ok(residual);
@@ -58,7 +56,7 @@ pub(crate) fn check_residuals(
 }
 
 /// Largest entry of |V^T V - I| over the first columns.
-pub(crate) fn orthogonality(vectors: &BlockMatrix, count: usize) -> f64 {
+pub(crate) fn orthogonality<R: Row>(vectors: &BlockMatrix<R>, count: usize) -> f64 {
     let gram = vectors.upper_gram(count.div_ceil(LANES));
     let entries = (0..count).flat_map(|i| (i..count).map(move |j| (i, j)));
     entries.map(|(i, j)| (gram[(i, j)] - f64::from(u8::from(i == j))).abs()).fold(0.0, f64::max)

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::kernels::{Block, LANES, Lanes};
+use crate::kernels::{Block, LANES, Row};
 use crate::stencil::SlicedStencil;
 use crate::temporal_blocking::{self, Tiling};
 
@@ -10,15 +10,15 @@ use crate::temporal_blocking::{self, Tiling};
 const SUMMED_ROWS: usize = 1 << 13;
 
 /// `x^T A x` of each column of some blocks and `|A x - lambda x| / lambda`; `work` holds A x of the last one afterwards.
-pub(crate) fn rayleigh_quotients(
+pub(crate) fn rayleigh_quotients<R: Row>(
     stencil: &SlicedStencil,
-    blocks: &mut [Block],
-    work: &mut Block,
+    blocks: &mut [Block<R>],
+    work: &mut Block<R>,
 ) -> (Vec<f64>, Vec<f64>) {
-    let tiling = Tiling::new(stencil);
+    let tiling = Tiling::new::<R>(stencil);
     let (mut values, mut residuals) = (Vec::new(), Vec::new());
     for block in blocks {
-        work.resize(block.len(), Lanes::ZERO);
+        work.resize(block.len(), R::ZERO);
         temporal_blocking::apply(stencil, tiling, block, work);
         let energy = sum_over_rows(block, work, |x, y, _| x * y);
         let square = sum_over_rows(block, work, |x, y, l| (y - energy[l] * x).powi(2));
@@ -29,11 +29,16 @@ pub(crate) fn rayleigh_quotients(
 }
 
 /// The sum over all rows of a term in the entries x and y of each lane.
-fn sum_over_rows(x: &Block, y: &Block, term: impl Fn(f64, f64, usize) -> f64 + Sync) -> [f64; LANES] {
-    let partial = |(x, y): (&[Lanes], &[Lanes])| {
+fn sum_over_rows<R: Row>(
+    x: &Block<R>,
+    y: &Block<R>,
+    term: impl Fn(f64, f64, usize) -> f64 + Sync,
+) -> [f64; LANES] {
+    let partial = |(x, y): (&[R], &[R])| {
         let mut sums = [0.0; LANES];
         for (x, y) in x.iter().zip(y) {
-            (0..LANES).for_each(|l| sums[l] += term(x.0[l], y.0[l], l));
+            let (x, y) = (x.wide().0, y.wide().0);
+            (0..LANES).for_each(|l| sums[l] += term(x[l], y[l], l));
         }
         sums
     };

@@ -46,7 +46,8 @@ pub struct SpectrumReport {
     pub applications: usize,
     /// Largest |W phi - lambda M phi| / (lambda |phi|) over the eigenpairs, in the norms of M^-1 and M. The
     /// exact zero modes are left out; for an eigenvalue that is zero only to rounding, the limit of rounding
-    /// stands for lambda, 4e-15 times the bound of the spectrum.
+    /// stands for lambda, 4e-15 times the bound of the spectrum. Of eigenfunctions in single precision without what their
+    /// rounding explains: of their smooth part.
     pub residual: f64,
     /// Largest entry of |Phi^T M Phi - I|.
     pub orthogonality: f64,

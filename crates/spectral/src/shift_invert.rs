@@ -66,7 +66,7 @@ pub(crate) fn inverse_eigenpairs(
         // If more restarts are needed, something is wrong with the shift.
         let task = Task { max_restarts: task.max_restarts.min(3), ..*task };
         let bound = problem.bound;
-        let good = |(&value, &r): (&f64, &f64)| r <= attainable(task.tolerance, bound, value);
+        let good = |(&value, &r): (&f64, &f64)| r <= attainable::<Lanes>(task.tolerance, bound, value);
         match inverse.eigenpairs(&task, progress) {
             Ok(pairs) if pairs.values.iter().zip(&pairs.residuals).all(good) => return Ok(pairs),
             // A shift below all eigenvalues is exact to smaller ones, and tells for certain if any is

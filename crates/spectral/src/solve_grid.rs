@@ -3,14 +3,15 @@
 use std::ops::ControlFlow;
 
 use mser3d_laplace::{aggregate_grid, grid_laplacian};
-use mser3d_shape::{Domain, Eigenbasis, VoxelGrid};
+use mser3d_shape::{Domain, Eigenbasis, Functions, VoxelGrid};
 
 use crate::block_matrix::PIECE;
 use crate::components::{members, merge};
 use crate::count::count_below;
+use crate::eigenpairs::GridPairs;
 use crate::filter::{basis_columns, coarse_factor, filtered_eigenpairs};
 use crate::fronts::suits_inverse;
-use crate::kernels::LANES;
+use crate::kernels::{LANES, Lanes, Row, Short};
 use crate::lambda_max::all_below;
 use crate::limits::{check_memory, check_size};
 use crate::multigrid;
@@ -22,6 +23,9 @@ use crate::standard_problem::unit_eigenvalue;
 use crate::{
     EigenpairRange, Eigensolver, SolverUsed, SpectralError, Spectrum, SpectrumParameters, SpectrumReport,
 };
+
+/// The tolerance from which on multigrid keeps eigenfunctions in single precision: they take half the memory.
+pub const SINGLE_PRECISION: f64 = 1e-4;
 
 /// The smallest eigenpairs of a voxel grid's Laplacian ([`mser3d_laplace::grid_laplacian`]), by the solver
 /// that suits it: where there are more than about a hundred voxels for each eigenpair, the polynomial filter,
@@ -58,7 +62,10 @@ pub fn smallest_eigenpairs_of_grid(
     let n = grid.len();
     let cell = grid.frame().voxel_volume();
     check_size(cell, grid.frame().spacing().iter().map(|h| 1.0 / (h * h)).sum())?;
-    let bodies = members(&grid.components(), |_| true);
+    let parts = grid.components();
+    // A single body needs no list of its voxels.
+    let bodies = if parts.len() > 1 { members(&parts, |_| true) } else { Vec::new() };
+    drop(parts);
     let heard = Heard::new(progress);
     let solve = |k: usize| {
         if bodies.len() > 1 {
@@ -118,63 +125,85 @@ fn connected_grid_eigenpairs(
         return connected_eigenpairs(&grid_laplacian(grid), k, parameters, progress);
     }
     let what = || format!("{k} eigenpairs");
-    let mut found = None;
+    let mut stopped = None;
     if solver == Eigensolver::Multigrid {
-        check_memory(
-            parameters.memory_limit,
-            what(),
-            n,
-            n * (multigrid::columns(k) + 20) + n.min(PIECE) * k,
-        )?;
-        match multigrid::multigrid_eigenpairs(grid, k, parameters, progress) {
-            Ok(ended) => found = ended.map(|found| (SolverUsed::Multigrid, found)),
+        let single = parameters.tolerance >= SINGLE_PRECISION;
+        let numbers = n * (multigrid::columns(k - 1, single) + 20) + n.min(PIECE) * k;
+        check_memory(parameters.memory_limit, what(), n, if single { numbers / 2 } else { numbers })?;
+        let found = match single {
+            true => by_multigrid::<Short>(grid, k, parameters, progress),
+            false => by_multigrid::<Lanes>(grid, k, parameters, progress),
+        };
+        // Corrections can come to a stop, or make vectors dependent, where a shape's coarse levels are poor; polynomials cannot.
+        stopped = match found {
+            Ok(Some(spectrum)) => return Ok(spectrum),
             Err(SpectralError::Cancelled) => return Err(SpectralError::Cancelled),
-            // Corrections can come to a stop, or make vectors dependent, where a shape's coarse levels are poor;
-            // polynomials cannot.
-            Err(_) => {}
-        }
+            Ok(None) => None,
+            Err(error) => Some(error),
+        };
     }
-    let (solver, found) = match found {
-        Some(found) => found,
-        None => {
-            check_memory(parameters.memory_limit, what(), n, n * filter_columns(k) + 8 * n)?;
-            let found = filtered_eigenpairs(grid, k, parameters, progress)?;
-            // With the inverse, copies that a block cannot see are searched for; here they are not. Shapes
-            // with so many are rare.
-            if may_hide_copies(&found.values, LANES) {
-                return connected_eigenpairs(&grid_laplacian(grid), k, parameters, progress);
-            }
-            (SolverUsed::Filter, found)
-        }
-    };
-    let zero_modes = found.null_space.len().min(k);
-    let wanted = k - zero_modes;
-    let residual =
-        check_residuals(&found.values, &found.residuals, found.bound, parameters.tolerance, found.restarts)?;
+    check_memory(parameters.memory_limit, what(), n, n * filter_columns(k) + 8 * n)
+        .map_err(|too_large| stopped.unwrap_or(too_large))?;
+    let found = filtered_eigenpairs(grid, k, parameters, progress)?;
+    // With the inverse, copies that a block cannot see are searched for; here they are not. Shapes with so many are rare.
+    if may_hide_copies(&found.values, LANES) {
+        return connected_eigenpairs(&grid_laplacian(grid), k, parameters, progress);
+    }
+    spectrum(grid, SolverUsed::Filter, found, parameters.tolerance)
+}
+
+/// The eigenpairs by multigrid, in the precision of the rows R; none where levels stay large.
+fn by_multigrid<R: Row>(
+    grid: &VoxelGrid,
+    k: usize,
+    parameters: &SpectrumParameters,
+    progress: &(dyn Fn(f64) -> ControlFlow<()> + Sync),
+) -> Result<Option<Spectrum>, SpectralError>
+where
+    Functions: From<Vec<R::Number>>,
+{
+    let found = multigrid::multigrid_eigenpairs::<R>(grid, k, parameters, progress)?;
+    found.map(|found| spectrum(grid, SolverUsed::Multigrid, found, parameters.tolerance)).transpose()
+}
+
+/// The spectrum of a connected grid: the constant, and what was found.
+fn spectrum<R: Row>(
+    grid: &VoxelGrid,
+    solver: SolverUsed,
+    found: GridPairs<R>,
+    tolerance: f64,
+) -> Result<Spectrum, SpectralError>
+where
+    Functions: From<Vec<R::Number>>,
+{
+    let (n, wanted) = (grid.len(), found.values.len());
     let report = SpectrumReport {
         solver,
         iterations: found.restarts,
         applications: found.applications,
-        residual,
+        residual: check_residuals::<R>(
+            &found.values,
+            &found.residuals,
+            found.bound,
+            tolerance,
+            found.restarts,
+        )?,
         orthogonality: orthogonality(&found.vectors, wanted),
-        zero_modes,
+        zero_modes: 1,
     };
-    let scale = 1.0 / grid.frame().voxel_volume().sqrt();
+    let (scale, constant) = (1.0 / grid.frame().voxel_volume().sqrt(), R::number(1.0 / grid.volume().sqrt()));
     let order = ascending(&found.values);
     let mut rows = vec![0u32; n];
     for (row, &voxel) in found.order.iter().enumerate() {
         rows[voxel as usize] = row as u32;
     }
-    let functions = found.vectors.into_rows(&rows, k, |vectors, row, voxel, target| {
-        let constant = found.null_space.constant(rows[voxel] as usize);
-        if let Some((label, constant)) = constant.filter(|&(label, _)| label < zero_modes) {
-            target[label] = constant;
-        }
-        for (t, &i) in target[zero_modes..].iter_mut().zip(&order) {
-            *t = vectors.at(row, i) * scale;
+    let functions = found.vectors.into_rows(&rows, wanted + 1, |vectors, row, _, target| {
+        target[0] = constant;
+        for (t, &i) in target[1..].iter_mut().zip(&order) {
+            *t = R::number(vectors.at(row, i) * scale);
         }
     });
-    let values = std::iter::repeat_n(0.0, zero_modes).chain(order.iter().map(|&i| found.values[i]));
+    let values = std::iter::once(0.0).chain(order.iter().map(|&i| found.values[i]));
     let mass = vec![grid.frame().voxel_volume(); n];
     let basis = Eigenbasis::new(Domain::Volume, mass, values.collect(), functions)
         .map_err(|_| SpectralError::Overflow)?;

@@ -7,7 +7,7 @@ use mser3d_laplace::GridStencil;
 use mser3d_shape::VoxelGrid;
 use pulp::Simd;
 
-use crate::kernels::{LANES, Lanes};
+use crate::kernels::{LANES, Row};
 
 /// The grid Laplacian with its voxels reordered: slices across the solid's longest axis, in them lines along
 /// the second longest.
@@ -127,45 +127,71 @@ impl SlicedStencil {
 
     /// A step on the rows of some runs; x and y begin with row `base`.
     #[inline(always)]
-    pub fn step<S: Simd>(
+    pub fn step<S: Simd, R: Row>(
         &self,
         simd: S,
         step: Step,
-        x: &[Lanes],
-        y: &mut [Lanes],
+        x: &[R],
+        y: &mut [R],
         runs: Range<usize>,
         base: usize,
     ) {
-        let [along, slices, across] = self.weights.map(|w| simd.splat_f64s(-step.a * w));
-        let diagonal = simd.splat_f64s(step.x + 2.0 * step.a * self.weights.iter().sum::<f64>());
-        let previous = simd.splat_f64s(step.previous);
         // A row is one vector with AVX-512, two with AVX2, eight numbers without SIMD.
         for part in 0..LANES / S::F64_LANES {
-            let load = |lanes: &Lanes| S::as_simd_f64s(&lanes.0).0[part];
-            let update = |line: [S::f64s; 3], [a, b, c, d]: [&Lanes; 4], target: &mut Lanes| {
-                let target = &mut S::as_mut_simd_f64s(&mut target.0).0[part];
-                let [before, centre, after] = line;
-                let sum = simd.mul_add_f64s(previous, *target, simd.mul_f64s(diagonal, centre));
-                let sum = simd.mul_add_f64s(along, simd.add_f64s(before, after), sum);
-                let other = simd.mul_f64s(slices, simd.add_f64s(load(a), load(b)));
-                let other = simd.mul_add_f64s(across, simd.add_f64s(load(c), load(d)), other);
-                *target = simd.add_f64s(sum, other);
-            };
+            let update = Update::new(simd, step, self.weights, part);
             for run in &self.runs[runs.clone()] {
                 let len = run.len as usize;
                 let rows = |first: u32| first as usize - base..first as usize - base + len;
                 let (centres, targets) = (&x[rows(run.start)], &mut y[rows(run.start)]);
                 let [a, b, c, d] = run.across.map(|first| &x[rows(first)]);
-                let [first, last] = run.ends.map(|row| load(&x[row as usize - base]));
-                let (mut before, mut centre) = (first, load(&centres[0]));
+                let [first, last] = run.ends.map(|row| update.load(&x[row as usize - base]));
+                let (mut before, mut centre) = (first, update.load(&centres[0]));
                 for i in 0..len - 1 {
-                    let after = load(&centres[i + 1]);
-                    update([before, centre, after], [&a[i], &b[i], &c[i], &d[i]], &mut targets[i]);
+                    let after = update.load(&centres[i + 1]);
+                    update.row([before, centre, after], [&a[i], &b[i], &c[i], &d[i]], &mut targets[i]);
                     (before, centre) = (centre, after);
                 }
                 let i = len - 1;
-                update([before, centre, last], [&a[i], &b[i], &c[i], &d[i]], &mut targets[i]);
+                update.row([before, centre, last], [&a[i], &b[i], &c[i], &d[i]], &mut targets[i]);
             }
         }
+    }
+}
+
+/// A step as vectors, for a part of each row.
+struct Update<S: Simd> {
+    simd: S,
+    along: S::f64s,
+    slices: S::f64s,
+    across: S::f64s,
+    diagonal: S::f64s,
+    previous: S::f64s,
+    part: usize,
+}
+
+impl<S: Simd> Update<S> {
+    #[inline(always)]
+    fn new(simd: S, step: Step, weights: [f64; 3], part: usize) -> Self {
+        let [along, slices, across] = weights.map(|w| simd.splat_f64s(-step.a * w));
+        let diagonal = simd.splat_f64s(step.x + 2.0 * step.a * weights.iter().sum::<f64>());
+        Self { simd, along, slices, across, diagonal, previous: simd.splat_f64s(step.previous), part }
+    }
+
+    #[inline(always)]
+    fn load<R: Row>(&self, row: &R) -> S::f64s {
+        S::as_simd_f64s(&row.wide().0).0[self.part]
+    }
+
+    /// At a row with its neighbours along the line, and across it.
+    #[inline(always)]
+    fn row<R: Row>(&self, [before, centre, after]: [S::f64s; 3], [a, b, c, d]: [&R; 4], target: &mut R) {
+        let Self { simd, .. } = *self;
+        let sum = simd.mul_add_f64s(self.previous, self.load(target), simd.mul_f64s(self.diagonal, centre));
+        let sum = simd.mul_add_f64s(self.along, simd.add_f64s(before, after), sum);
+        let other = simd.mul_f64s(self.slices, simd.add_f64s(self.load(a), self.load(b)));
+        let other = simd.mul_add_f64s(self.across, simd.add_f64s(self.load(c), self.load(d)), other);
+        let mut row = target.wide();
+        S::as_mut_simd_f64s(&mut row.0).0[self.part] = simd.add_f64s(sum, other);
+        *target = R::narrow(row);
     }
 }

@@ -17,7 +17,7 @@ use std::ops::Range;
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
-use crate::kernels::Lanes;
+use crate::kernels::Row;
 use crate::stencil::{SlicedStencil, Step};
 
 /// Bytes that the slices of a wave may fill of a core's second-level cache, where they stay without being
@@ -40,8 +40,8 @@ pub(crate) struct Tiling {
 impl Tiling {
     /// By the stencil's average slice: whole slices in the second-level cache, or else in the third, or else
     /// tiles of them.
-    pub fn new(stencil: &SlicedStencil) -> Self {
-        let slice = (2 * size_of::<Lanes>() * stencil.len()).div_ceil(stencil.slices()).max(1);
+    pub fn new<R: Row>(stencil: &SlicedStencil) -> Self {
+        let slice = (2 * size_of::<R>() * stencil.len()).div_ceil(stencil.slices()).max(1);
         let whole = stencil.lines() + MOST_STEPS;
         for (bytes, fewest) in WAVE_BYTES.into_iter().zip(FEWEST_STEPS) {
             let steps = (bytes / slice).saturating_sub(2);
@@ -56,7 +56,7 @@ impl Tiling {
 }
 
 /// `y = A x`; x stays as it is.
-pub(crate) fn apply(stencil: &SlicedStencil, tiling: Tiling, x: &mut [Lanes], y: &mut [Lanes]) {
+pub(crate) fn apply<R: Row>(stencil: &SlicedStencil, tiling: Tiling, x: &mut [R], y: &mut [R]) {
     let once = [Step { a: 1.0, x: 0.0, previous: 0.0 }];
     run(stencil, tiling, rayon::current_num_threads(), &once, x, y);
 }
@@ -66,13 +66,13 @@ pub(crate) fn apply(stencil: &SlicedStencil, tiling: Tiling, x: &mut [Lanes], y:
 ///
 /// Between two cuts a thread can go on alone, if it leaves out one more slice at a cut with each step; what
 /// was left out follows when both sides have come that far.
-pub(crate) fn run(
+pub(crate) fn run<R: Row>(
     stencil: &SlicedStencil,
     tiling: Tiling,
     parts: usize,
     steps: &[Step],
-    first: &mut [Lanes],
-    second: &mut [Lanes],
+    first: &mut [R],
+    second: &mut [R],
 ) {
     let count = stencil.slices();
     let cuts = cuts(stencil, parts, tiling.steps);
@@ -142,7 +142,7 @@ struct Waves<'a> {
 
 impl Waves<'_> {
     /// Runs the steps on some regions, ascending, in parallel.
-    fn run(self, regions: Vec<Region>, first: &mut [Lanes], second: &mut [Lanes]) {
+    fn run<R: Row>(self, regions: Vec<Region>, first: &mut [R], second: &mut [R]) {
         let (mut first, mut second, mut base) = (first, second, 0);
         let mut parts = Vec::with_capacity(regions.len());
         for region in regions {
@@ -161,14 +161,14 @@ impl Waves<'_> {
 
 /// One thread's part, as pulp wants it: `WithSimd` compiles it for each instruction set. Both buffers hold
 /// the rows of its region only.
-struct Part<'a> {
+struct Part<'a, R> {
     waves: Waves<'a>,
     region: Region,
-    first: &'a mut [Lanes],
-    second: &'a mut [Lanes],
+    first: &'a mut [R],
+    second: &'a mut [R],
 }
 
-impl WithSimd for Part<'_> {
+impl<R: Row> WithSimd for Part<'_, R> {
     type Output = ();
 
     #[inline(always)]

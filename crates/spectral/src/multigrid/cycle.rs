@@ -8,11 +8,11 @@
 use rayon::prelude::*;
 
 use super::hierarchy::Hierarchy;
-use super::level::{ChebyshevStep, Columns, Level, ROWS, Short, rows};
+use super::level::{ChebyshevStep, Columns, Level, ROWS, rows};
 use super::ritz::rayleigh_ritz;
 use crate::SpectralError;
 use crate::block_matrix::BlockMatrix;
-use crate::kernels::{Block, LANES, Lanes};
+use crate::kernels::{Block, LANES, Lanes, Row, Short};
 
 /// Steps of smoothing before the next coarser level, and after it.
 const SMOOTHING: usize = 4;
@@ -20,6 +20,8 @@ const SMOOTHING: usize = 4;
 const VISITS: usize = 2;
 /// What is smoothed, of the spectrum of D^-1 W: all waves that the next level cannot show, with room for ragged surfaces.
 const ROUGH: [f32; 2] = [0.25, 2.0];
+/// Steps of smoothing that leave less than a thousandth of what is rough.
+const SMOOTHED: usize = 12;
 /// The logarithm of by how much the coarsest level's error falls.
 const COARSEST: f64 = 5.0;
 
@@ -34,12 +36,19 @@ pub(super) struct Workspace {
 impl Workspace {
     /// The sum of each column of the residual.
     pub fn sums_of_residual(&self) -> [f64; LANES] {
-        let part = |rows: &[Short]| {
+        self.sum(|_, r| r)
+    }
+
+    /// The sum over the rows of a term in the residual at a row.
+    fn sum(&self, term: impl Fn(usize, f64) -> f64 + Sync) -> [f64; LANES] {
+        let part = |(chunk, rows): (usize, &[Short])| {
             let mut sums = [0.0; LANES];
-            rows.iter().for_each(|r| (0..LANES).for_each(|l| sums[l] += f64::from(r.0[l])));
+            for (i, r) in rows.iter().enumerate() {
+                (0..LANES).for_each(|l| sums[l] += term(chunk * ROWS + i, f64::from(r.0[l])));
+            }
             sums
         };
-        let parts: Vec<[f64; LANES]> = self.residual.par_chunks(ROWS).map(part).collect();
+        let parts: Vec<[f64; LANES]> = self.residual.par_chunks(ROWS).enumerate().map(part).collect();
         parts.iter().fold([0.0; LANES], |sums, part| std::array::from_fn(|l| sums[l] + part[l]))
     }
 }
@@ -61,12 +70,12 @@ impl<'a> Cycle<'a> {
 
     /// Takes what the grid's vectors are on the coarsest level for known: where two eigenvalues are in another order there than on
     /// the grid, the wrong one would be taken out.
-    pub fn know(&mut self, vectors: &BlockMatrix) -> Result<(), SpectralError> {
+    pub fn know<R: Row>(&mut self, vectors: &BlockMatrix<R>) -> Result<(), SpectralError> {
         let Hierarchy { transfers, levels, .. } = self.hierarchy;
         let coarsest = self.hierarchy.coarsest();
-        let down = |block: &Block| {
+        let down = |block: &Block<R>| {
             let mut fine = vec![Lanes::ZERO; levels[0].len()];
-            transfers[0].average(&mut fine, levels[0].mass(), |row| block[row].0);
+            transfers[0].average(&mut fine, levels[0].mass(), |row| block[row].wide().0);
             for (transfer, pair) in transfers[1..].iter().zip(levels.windows(2)) {
                 let mut coarse = vec![Lanes::ZERO; pair[1].len()];
                 let mass = pair[0].mass();
@@ -91,6 +100,13 @@ impl<'a> Cycle<'a> {
             Workspace { residual: block(), d: block(), along: block(), next: block() }
         };
         self.hierarchy.levels.iter().map(room).collect()
+    }
+
+    /// The norm of the smooth part of a residual on the first level: what smoothing leaves of it.
+    pub fn smooth_residual(&self, space: &mut Workspace) -> [f64; LANES] {
+        let level = &self.hierarchy.levels[0];
+        chebyshev(level, &[0.0; LANES], ROUGH.map(|end| [end; LANES]), SMOOTHED, space);
+        space.sum(|row, r| r * r / f64::from(level.mass()[row])).map(f64::sqrt)
     }
 
     /// `spaces[0].d` = about `(W - shift M)^-1 spaces[0].residual` on the level `at`, to which the first of the spaces belongs.

@@ -1,4 +1,5 @@
-//! A coarse level: a sparse Laplacian W and masses M, and what a cycle does with blocks of vectors there.
+//! A coarse level: a sparse Laplacian W and masses M, and what a cycle does with blocks of vectors there, in single precision:
+//! corrections are no more exact than a tenth.
 
 use mser3d_laplace::Operator;
 use mser3d_laplace::sprs::TriMat;
@@ -6,15 +7,10 @@ use mser3d_shape::Domain;
 use rayon::prelude::*;
 
 use crate::SpectralError;
-use crate::kernels::{LANES, Lanes};
+use crate::kernels::{LANES, Lanes, Short};
 
 /// Rows that a thread treats at a time.
 pub(super) const ROWS: usize = 1024;
-
-/// A row of a block in single precision: corrections are no more exact than a tenth.
-#[repr(align(32))]
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Short(pub [f32; LANES]);
 
 /// One number for each column of a block.
 pub(super) type Columns = [f32; LANES];

@@ -17,13 +17,12 @@ use mser3d_shape::VoxelGrid;
 
 use self::cycle::{Cycle, Workspace, correct};
 use self::hierarchy::Hierarchy;
-use self::level::{Short, rows};
+use self::level::rows;
 use self::ritz::rayleigh_ritz;
 use crate::block_matrix::BlockMatrix;
 use crate::chebyshev::Polynomial;
 use crate::eigenpairs::GridPairs;
-use crate::kernels::{Block, LANES, Lanes};
-use crate::null_space::NullSpace;
+use crate::kernels::{Block, LANES, Lanes, Row, Short};
 use crate::quality::{attainable, check_residuals};
 use crate::rayleigh_quotient::rayleigh_quotients;
 use crate::solve_matrix::connected_eigenpairs;
@@ -39,6 +38,8 @@ const GUARD_ON_LEVELS: f64 = 0.5;
 const BELOW: f64 = 0.8;
 /// Rows of the coarsest level for each vector, at least: its waves must be a few rows long.
 const COARSEST_ROWS: usize = 60;
+/// Rows of the grid for each of the coarsest level, at most: as many are solved in a hundredth of the time.
+const COARSEST_SHARE: usize = 8192;
 /// How exact the coarsest level's eigenvectors are.
 const COARSEST_TOLERANCE: f64 = 1e-5;
 /// The most corrections of the grid's vectors from one look at them to the next.
@@ -50,27 +51,29 @@ const DEGREE: usize = 12;
 /// What is rough begins at this share of the smallest eigenvalue that the first level cannot show: waves a little longer are shown by it,
 /// but poorly.
 const ROUGH: f64 = 0.3;
-/// What must be left of the largest residual from one look to the next, or the iteration has come to a stop.
-const PROGRESS: f64 = 0.5;
+/// What a correction must leave of the largest residual, or the iteration has come to a stop.
+const PROGRESS: f64 = 0.8;
 /// It is faster than the filter from this many voxels on for each pair and cubed logarithm of the tolerance, as the filter's work grows
 /// as `n^(4/3) k^(2/3)`, and this as `n k` and the logarithm. At two million voxels with 50 pairs and 1e-6 it took .76 and .78 of the
 /// filter's CPU time on two bodies, at one million about as much.
 const PAYS: f64 = 15.0;
+/// Residuals up to this number of times what rounding allows are taken for its noise.
+const ROUNDED: f64 = 10.0;
 /// Shares of the work: at the first level, at the grid, at the end of the iteration.
 const SHARES: [f64; 3] = [0.05, 0.2, 0.95];
 
-/// Vectors that are iterated on the grid.
-pub(crate) fn columns(wanted: usize) -> usize {
-    with_guard(wanted, GUARD)
+/// Vectors that are iterated on the grid: in single precision, where memory counts most, as few as will do.
+pub(crate) fn columns(wanted: usize, single: bool) -> usize {
+    with_guard(wanted, GUARD, if single { 0 } else { 2 })
 }
 
 /// Vectors that are iterated on the levels.
 fn columns_on_levels(wanted: usize) -> usize {
-    with_guard(wanted, GUARD_ON_LEVELS)
+    with_guard(wanted, GUARD_ON_LEVELS, 2)
 }
 
-fn with_guard(wanted: usize, guard: f64) -> usize {
-    (wanted + (guard * wanted as f64).ceil() as usize + 2).next_multiple_of(LANES)
+fn with_guard(wanted: usize, guard: f64, more: usize) -> usize {
+    (wanted + (guard * wanted as f64).ceil() as usize + more).next_multiple_of(LANES)
 }
 
 /// Whether there are coarser levels fine enough for these.
@@ -88,12 +91,12 @@ pub(crate) fn pays(voxels: usize, wanted: usize, tolerance: f64) -> bool {
 ///
 /// # Errors
 /// [`SpectralError::NotConverged`], where corrections come to a stop; those of the coarsest level; [`SpectralError::Cancelled`].
-pub(crate) fn multigrid_eigenpairs(
+pub(crate) fn multigrid_eigenpairs<R: Row>(
     grid: &VoxelGrid,
     pairs: usize,
     parameters: &SpectrumParameters,
     progress: &(dyn Fn(f64) -> ControlFlow<()> + Sync),
-) -> Result<Option<GridPairs>, SpectralError> {
+) -> Result<Option<GridPairs<R>>, SpectralError> {
     let tell = |share: f64| match progress(share) {
         ControlFlow::Continue(()) => Ok(()),
         ControlFlow::Break(()) => Err(SpectralError::Cancelled),
@@ -103,20 +106,21 @@ pub(crate) fn multigrid_eigenpairs(
     // One component, with one constant: bodies are solved one by one.
     let wanted = pairs - 1;
     let m = columns_on_levels(wanted);
-    let hierarchy = Hierarchy::new(grid, &stencil.order, COARSEST_ROWS * m);
-    if hierarchy.coarsest().len() >= 8 * COARSEST_ROWS * m {
+    let coarsest = (COARSEST_ROWS * m).max(n / COARSEST_SHARE);
+    let hierarchy = Hierarchy::new(grid, &stencil.order, coarsest);
+    if hierarchy.coarsest().len() >= 8 * coarsest {
         return Ok(None);
     }
     let mut subspace = Subspace::coarsest(&hierarchy, wanted, parameters, progress)?;
     tell(SHARES[0])?;
     for at in (0..hierarchy.levels.len() - 1).rev() {
-        subspace.carry_up(at + 1, hierarchy.levels[at].len());
+        subspace.vectors = subspace.carried_up(at + 1, hierarchy.levels[at].len());
         subspace.correct_on_level(at)?;
         tell(SHARES[0])?;
     }
-    subspace.vectors.blocks_mut().truncate(columns(wanted) / LANES);
-    subspace.carry_up(0, n);
-    let Subspace { cycle, mut vectors, mut spaces, .. } = subspace;
+    subspace.vectors.blocks_mut().truncate(columns(wanted, R::ROUGH_ROUNDING.is_some()) / LANES);
+    let mut vectors: BlockMatrix<R> = subspace.carried_up(0, n);
+    let Subspace { cycle, mut spaces, .. } = subspace;
     let mut finest = Finest::new(&stencil, cycle, grid);
     vectors.blocks_mut().iter_mut().for_each(|block| finest.smooth(block));
     let (mut first, mut last, mut corrections) = (None, f64::INFINITY, TOGETHER);
@@ -124,15 +128,14 @@ pub(crate) fn multigrid_eigenpairs(
     let mut looks = 0;
     loop {
         looks += 1;
-        let (values, residuals) = finest.look(&mut vectors, wanted, &tell)?;
+        let (values, residuals) = finest.look(&mut vectors, wanted, &mut spaces, &tell)?;
         // Over what is asked for.
-        let excess = |at: usize| residuals[at] / attainable(parameters.tolerance, bound, values[at]);
+        let excess = |at: usize| residuals[at] / attainable::<R>(parameters.tolerance, bound, values[at]);
         let worst = (0..wanted).map(excess).fold(0.0, f64::max);
         let (values_wanted, residuals_wanted) = (&values[..wanted], &residuals[..wanted]);
-        match check_residuals(values_wanted, residuals_wanted, bound, parameters.tolerance, looks) {
+        match check_residuals::<R>(values_wanted, residuals_wanted, bound, parameters.tolerance, looks) {
             Ok(_) => {
                 vectors.blocks_mut().truncate(wanted.div_ceil(LANES));
-                let root_mass = grid.frame().voxel_volume().sqrt();
                 return Ok(Some(GridPairs {
                     values: values_wanted.to_vec(),
                     residuals: residuals_wanted.to_vec(),
@@ -141,10 +144,11 @@ pub(crate) fn multigrid_eigenpairs(
                     vectors,
                     bound,
                     order: stencil.order,
-                    null_space: NullSpace::new(&vec![0; n], &vec![root_mass; n], |_| true),
                 }));
             }
-            Err(stopped) if worst > PROGRESS * last || looks == parameters.max_iterations => {
+            Err(stopped)
+                if worst > PROGRESS.powi(corrections as i32) * last || looks == parameters.max_iterations =>
+            {
                 return Err(stopped);
             }
             Err(_) => {}
@@ -158,9 +162,25 @@ pub(crate) fn multigrid_eigenpairs(
         }
         last = worst;
         let weak = (0..wanted).position(|at| excess(at) > 1.0).unwrap_or(0) / LANES;
+        // Where rounding's noise is all that is left, a cycle alone leaves less of it than steps of smoothing, which round each.
+        let rounded: Vec<bool> = (values.chunks(LANES).zip(residuals.chunks(LANES)))
+            .map(|(values, residuals)| {
+                let noise = |value: f64| ROUNDED * R::ROUNDING * bound / value;
+                values.iter().zip(residuals).all(|(&value, &r)| r <= noise(value))
+            })
+            .collect();
         for at in 0..corrections {
             let relaxation = relaxation(at, corrections);
-            finest.correct_from(weak, &mut vectors, &values, relaxation, &mut spaces, &tell)?;
+            for (at, values) in values.chunks(LANES).enumerate().skip(weak) {
+                tell(SHARES[1])?;
+                let block = &mut vectors.blocks_mut()[at];
+                if !rounded[at] {
+                    finest.correct(block, values, relaxation, &mut spaces);
+                    finest.smooth(block);
+                } else if (at * LANES..wanted.min((at + 1) * LANES)).any(|pair| excess(pair) > 1.0) {
+                    finest.correct(block, values, relaxation, &mut spaces);
+                }
+            }
         }
     }
 }
@@ -209,16 +229,16 @@ impl<'a> Subspace<'a> {
         Ok(Self { cycle, spaces, wanted, vectors, values })
     }
 
-    /// To the next finer level, of `rows` rows. Blocks are given back one by one.
-    fn carry_up(&mut self, transfer: usize, rows: usize) {
+    /// The vectors on the next finer level, of `rows` rows. Blocks are given back one by one.
+    fn carried_up<R: Row>(&mut self, transfer: usize, rows: usize) -> BlockMatrix<R> {
         let transfer = &self.cycle.hierarchy.transfers[transfer];
         let up = |block: Block| {
-            let mut fine = vec![Lanes::ZERO; rows];
-            transfer.interpolate(&block, &mut fine, |target, value| *target = value);
+            let mut fine = vec![R::ZERO; rows];
+            transfer.interpolate(&block, &mut fine, |target, value| *target = R::narrow(value));
             fine
         };
         let blocks = std::mem::take(self.vectors.blocks_mut()).into_iter().map(up).collect();
-        self.vectors = BlockMatrix::from_blocks(rows, blocks);
+        BlockMatrix::from_blocks(rows, blocks)
     }
 
     /// Corrects the vectors of a level once, and makes them orthonormal again.
@@ -255,7 +275,7 @@ fn shifts(values: &[f64], most: f64) -> [f32; LANES] {
 }
 
 /// The grid itself: A without a matrix.
-struct Finest<'a> {
+struct Finest<'a, R> {
     stencil: &'a SlicedStencil,
     tiling: Tiling,
     cycle: Cycle<'a>,
@@ -264,7 +284,7 @@ struct Finest<'a> {
     unit: f64,
     /// The largest shift.
     most: f64,
-    work: BlockMatrix,
+    work: BlockMatrix<R>,
     /// Vectors that A was applied to.
     applications: usize,
 }
@@ -272,7 +292,7 @@ struct Finest<'a> {
 /// Tells progress, or that the work is cancelled.
 type Tell<'a> = dyn Fn(f64) -> Result<(), SpectralError> + 'a;
 
-impl<'a> Finest<'a> {
+impl<'a, R: Row> Finest<'a, R> {
     fn new(stencil: &'a SlicedStencil, cycle: Cycle<'a>, grid: &VoxelGrid) -> Self {
         let unit = grid.frame().spacing().iter().map(|h| 1.0 / (h * h)).fold(0.0, f64::max);
         // A wave of two voxels along an axis has four times its weight, one of four voxels half of that.
@@ -281,7 +301,7 @@ impl<'a> Finest<'a> {
         let work = BlockMatrix::zeros(stencil.len(), LANES);
         Self {
             stencil,
-            tiling: Tiling::new(stencil),
+            tiling: Tiling::new::<R>(stencil),
             cycle,
             smoother,
             unit,
@@ -293,7 +313,7 @@ impl<'a> Finest<'a> {
 
     /// Smooths what the first level cannot show. A polynomial of A in place of the equation's solution: what it leaves of smooth parts is
     /// nearly all, so that x needs no right-hand side.
-    fn smooth(&mut self, block: &mut Block) {
+    fn smooth(&mut self, block: &mut Block<R>) {
         let threads = rayon::current_num_threads();
         let work = &mut self.work.blocks_mut()[0];
         self.smoother.apply(self.stencil, self.tiling, threads, block, work, &|| false);
@@ -303,8 +323,9 @@ impl<'a> Finest<'a> {
     /// Makes the vectors orthonormal and measures their residuals, |A x - lambda x| / lambda. Returns the eigenvalues and the residuals.
     fn look(
         &mut self,
-        vectors: &mut BlockMatrix,
+        vectors: &mut BlockMatrix<R>,
         wanted: usize,
+        spaces: &mut [Workspace],
         tell: &Tell,
     ) -> Result<(Vec<f64>, Vec<f64>), SpectralError> {
         let (stencil, tiling) = (self.stencil, self.tiling);
@@ -314,47 +335,51 @@ impl<'a> Finest<'a> {
         .len();
         self.cycle.know(vectors)?;
         tell(SHARES[1])?;
-        let (values, residuals) =
-            rayleigh_quotients(stencil, vectors.blocks_mut(), &mut self.work.blocks_mut()[0]);
+        let (mut values, mut residuals) = (Vec::new(), Vec::new());
+        for block in vectors.blocks_mut() {
+            let (own, mut left) =
+                rayleigh_quotients(stencil, std::slice::from_mut(block), &mut self.work.blocks_mut()[0]);
+            if let Some(rounding) = R::ROUGH_ROUNDING {
+                self.restrict_residual(block, &own, &mut spaces[0]);
+                let smooth = self.cycle.smooth_residual(&mut spaces[0]);
+                for l in 0..LANES {
+                    let rough = left[l] - rounding * stencil.bound() / own[l];
+                    left[l] = rough.max(smooth[l] * self.unit / own[l]);
+                }
+            }
+            values.extend(own);
+            residuals.extend(left);
+        }
         self.applications += 2 * count;
         self.most = largest_shift(&values, wanted);
         Ok((values, residuals))
     }
 
-    /// Corrects the vectors once, from this block on.
-    fn correct_from(
-        &mut self,
-        first: usize,
-        vectors: &mut BlockMatrix,
-        values: &[f64],
-        relaxation: f64,
-        spaces: &mut [Workspace],
-        tell: &Tell,
-    ) -> Result<(), SpectralError> {
-        for (block, values) in vectors.blocks_mut().iter_mut().zip(values.chunks(LANES)).skip(first) {
-            tell(SHARES[1])?;
-            self.correct(block, values, relaxation, spaces);
-        }
-        Ok(())
-    }
-
-    /// Corrects a block of vectors with these eigenvalues.
-    fn correct(&mut self, block: &mut Block, values: &[f64], relaxation: f64, spaces: &mut [Workspace]) {
+    /// Corrects a block of vectors with these eigenvalues; what is rough of the corrections stays in it.
+    fn correct(&mut self, block: &mut Block<R>, values: &[f64], relaxation: f64, spaces: &mut [Workspace]) {
         temporal_blocking::apply(self.stencil, self.tiling, block, &mut self.work.blocks_mut()[0]);
         self.applications += LANES;
-        let (image, unit) = (&self.work.blocks()[0], self.unit);
-        let transfer = &self.cycle.hierarchy.transfers[0];
-        transfer.restrict(&mut spaces[0].residual, |row| {
-            std::array::from_fn(|l| ((image[row].0[l] - values[l] * block[row].0[l]) / unit) as f32)
-        });
+        self.restrict_residual(block, values, &mut spaces[0]);
+        let unit = self.unit;
         // Columns of A sum to zero, so the residual tells how much of the constant x has.
         let sums = spaces[0].sums_of_residual();
         let mean: [f64; LANES] = std::array::from_fn(|l| -sums[l] * unit / (values[l] * block.len() as f64));
         let values: [f64; LANES] = std::array::from_fn(|l| values[l] / unit);
         self.cycle.run(0, &shifts(&values, self.most / unit), spaces);
-        transfer.interpolate(&spaces[0].d, block, |x, d: Short| {
-            (0..LANES).for_each(|l| x.0[l] -= relaxation * f64::from(d.0[l]) + mean[l]);
+        let transfer = &self.cycle.hierarchy.transfers[0];
+        transfer.interpolate(&spaces[0].d, block, |row, d: Short| {
+            let x = row.wide().0;
+            let by: [f64; LANES] = std::array::from_fn(|l| relaxation * f64::from(d.0[l]) + mean[l]);
+            *row = R::narrow(Lanes(std::array::from_fn(|l| x[l] - by[l])));
         });
-        self.smooth(block);
+    }
+
+    /// `A x - lambda x` of a block whose image is in the work space, on the first level and in its unit.
+    fn restrict_residual(&self, block: &Block<R>, values: &[f64], space: &mut Workspace) {
+        let (image, unit) = (&self.work.blocks()[0], self.unit);
+        self.cycle.hierarchy.transfers[0].restrict(&mut space.residual, |row| {
+            let (image, x) = (image[row].wide().0, block[row].wide().0);
+            std::array::from_fn(|l| ((image[l] - values[l] * x[l]) / unit) as f32)
+        });
     }
 }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::level::{ROWS, rows};
 use crate::SpectralError;
 use crate::block_matrix::BlockMatrix;
-use crate::kernels::{Block, LANES, Lanes};
+use crate::kernels::{Block, LANES, Lanes, Row};
 use crate::small_dense::{orthonormal_combinations, small_eigen};
 
 /// Rayleigh and Ritz: makes the columns of x M-orthonormal approximations of eigenvectors in their own span, and returns their eigenvalues,
@@ -14,11 +14,11 @@ use crate::small_dense::{orthonormal_combinations, small_eigen};
 /// first.
 ///
 /// 4 flops for each row and pair of columns, and one more with masses.
-pub(super) fn rayleigh_ritz(
-    x: &mut BlockMatrix,
+pub(super) fn rayleigh_ritz<R: Row>(
+    x: &mut BlockMatrix<R>,
     mass: Option<&[f32]>,
-    work: &mut BlockMatrix,
-    mut image: impl FnMut(&mut Block, &mut Block),
+    work: &mut BlockMatrix<R>,
+    mut image: impl FnMut(&mut Block<R>, &mut Block<R>),
 ) -> Result<Vec<f64>, SpectralError> {
     let blocks = x.blocks().len();
     let columns = blocks * LANES;
@@ -43,7 +43,7 @@ pub(super) fn rayleigh_ritz(
         if let Some(mass) = mass {
             let own = &x.blocks()[block];
             rows(&mut work.blocks_mut()[0], |row, y| {
-                *y = Lanes(own[row].0.map(|x| x * f64::from(mass[row])))
+                *y = R::narrow(Lanes(own[row].wide().0.map(|x| x * f64::from(mass[row]))))
             });
             enter(&mut products, block, &x.gram(0..block + 1, work));
         }
@@ -61,17 +61,17 @@ pub(super) fn rayleigh_ritz(
 }
 
 /// Makes the columns of a block orthogonal to the constant.
-fn take_out_mean(block: &mut Block, mass: &[f32]) {
+fn take_out_mean<R: Row>(block: &mut Block<R>, mass: &[f32]) {
     let weight = |row: usize| f64::from(mass[row]);
-    let part = |(chunk, block): (usize, &[Lanes])| {
+    let part = |(chunk, block): (usize, &[R])| {
         let mut sums = [0.0; LANES + 1];
         pulp::Arch::new().dispatch(
             #[inline(always)]
             || {
                 let (mut sum, mut weights) = ([0.0; LANES], 0.0);
                 for (i, x) in block.iter().enumerate() {
-                    let weight = weight(chunk * ROWS + i);
-                    (0..LANES).for_each(|l| sum[l] += weight * x.0[l]);
+                    let (weight, x) = (weight(chunk * ROWS + i), x.wide().0);
+                    (0..LANES).for_each(|l| sum[l] += weight * x[l]);
                     weights += weight;
                 }
                 sums[..LANES].copy_from_slice(&sum);
@@ -83,5 +83,8 @@ fn take_out_mean(block: &mut Block, mass: &[f32]) {
     let parts: Vec<[f64; LANES + 1]> = block.par_chunks(ROWS).enumerate().map(part).collect();
     let sums = parts.iter().fold([0.0; LANES + 1], |sums, part| std::array::from_fn(|l| sums[l] + part[l]));
     let mean: [f64; LANES] = std::array::from_fn(|l| sums[l] / sums[LANES]);
-    rows(block, |_, x| (0..LANES).for_each(|l| x.0[l] -= mean[l]));
+    rows(block, |_, row| {
+        let x = row.wide().0;
+        *row = R::narrow(Lanes(std::array::from_fn(|l| x[l] - mean[l])));
+    });
 }

@@ -1,7 +1,7 @@
 //! How vectors go from a level to the next coarser one and back.
 
-use super::level::{Columns, Short, rows};
-use crate::kernels::{LANES, Lanes};
+use super::level::{Columns, rows};
+use crate::kernels::{LANES, Lanes, Short};
 
 /// Between the rows of a level and their aggregates.
 pub(super) struct Transfer {
@@ -20,12 +20,12 @@ pub(super) struct Transfer {
 }
 
 /// A row of numbers of either precision.
-pub(super) trait Row: Copy + Send + Sync {
+pub(super) trait Interpolate: Copy + Send + Sync {
     /// The first and some of the differences to the others.
     fn between(own: &Self, others: [&Self; 3], weights: [f32; 3]) -> Self;
 }
 
-impl Row for Short {
+impl Interpolate for Short {
     #[inline(always)]
     fn between(own: &Self, [x, y, z]: [&Self; 3], weights: [f32; 3]) -> Self {
         let [a, b, c] = weights;
@@ -34,7 +34,7 @@ impl Row for Short {
     }
 }
 
-impl Row for Lanes {
+impl Interpolate for Lanes {
     #[inline(always)]
     fn between(own: &Self, [x, y, z]: [&Self; 3], weights: [f32; 3]) -> Self {
         let [a, b, c] = weights.map(f64::from);
@@ -70,7 +70,12 @@ impl Transfer {
 
     /// Linear interpolation to each row, between the centre of its aggregate and that of the neighbour on the row's side, along each axis.
     /// Where there is no neighbour the derivative is 0, as at a wall.
-    pub fn interpolate<R: Row, T: Send>(&self, coarse: &[R], fine: &mut [T], set: impl Fn(&mut T, R) + Sync) {
+    pub fn interpolate<R: Interpolate, T: Send>(
+        &self,
+        coarse: &[R],
+        fine: &mut [T],
+        set: impl Fn(&mut T, R) + Sync,
+    ) {
         rows(fine, |row, target| {
             let (own, weights) = (self.aggregate[row] as usize, self.weights[row]);
             let beside = &self.beside[own];

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use mser3d_shape::{BitGrid, Frame, VoxelGrid};
+use mser3d_shape::{BitGrid, Eigenbasis, Frame, FunctionsView, VoxelGrid};
 use mser3d_spectral::{
     Eigensolver, SolverUsed, SpectralError, Spectrum, SpectrumParameters, smallest_eigenpairs_of_grid,
 };
@@ -51,6 +51,37 @@ fn cross(width: u32, spacing: [f64; 3]) -> VoxelGrid {
 #[test]
 fn limbs() {
     assert_same("cross", &cross(13, [0.1; 3]), 20, 1e-9, Eigensolver::Filter);
+}
+
+#[test]
+fn a_loose_tolerance_gives_single_precision() {
+    for (name, grid, k) in
+        [("cross", cross(13, [0.1; 3]), 20), ("bar", solid([150, 20, 18], [2.0; 3], |_| true), 12)]
+    {
+        let [one, three] = [1, 3].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| solve(&grid, &parameters(k, 1e-4, Eigensolver::Multigrid))).unwrap()
+        });
+        assert_eq!(one.report.solver, SolverUsed::Multigrid, "{name}");
+        assert!(one.basis == three.basis, "{name}: other bits on three threads");
+        assert!(one.report.residual <= 1e-4 && one.report.orthogonality < 1e-6, "{name}: {:?}", one.report);
+        assert!(matches!(one.basis.functions(), FunctionsView::Single(_)), "{name}");
+        let double = solve(&grid, &parameters(k, 1e-9, Eigensolver::Filter)).unwrap().basis;
+        assert!(matches!(double.functions(), FunctionsView::Double(_)), "{name}");
+        // The error of an eigenvalue is about the square of the residual, and single precision's rounding.
+        for (i, (a, b)) in one.basis.eigenvalues().iter().zip(double.eigenvalues()).enumerate() {
+            assert!((a - b).abs() <= 1e-7 * b, "{name}: eigenvalue {i} is {a}, not {b}");
+        }
+        // Of the heat kernel, which no choice of signs or of a basis of a multiple eigenvalue changes.
+        let time = 3.0 / one.basis.eigenvalues()[1];
+        let heat = |basis: &Eigenbasis, v: usize| -> f64 {
+            basis.at(v).iter().zip(basis.eigenvalues()).map(|(x, l)| x * x * (-l * time).exp()).sum()
+        };
+        for v in (0..grid.len()).step_by(97) {
+            let (a, b) = (heat(&one.basis, v), heat(&double, v));
+            assert!((a - b).abs() < 1e-4 * b, "{name}: at {v} the heat kernel is {a}, not {b}");
+        }
+    }
 }
 
 #[test]
