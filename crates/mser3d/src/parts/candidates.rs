@@ -351,7 +351,7 @@ mod tests {
     #[test]
     fn means_that_are_made_as_they_come_are_those_of_a_table() {
         let count = 3 * BLOCK;
-        let functions = (0..2 * count).map(|i| (i as f64 * 0.37).sin()).collect();
+        let functions: Vec<f64> = (0..2 * count).map(|i| (i as f64 * 0.37).sin()).collect();
         let basis = Eigenbasis::new(Domain::Volume, vec![0.5; count], vec![0.0, 1.0], functions).unwrap();
         let edges: Vec<[u32; 2]> = (1..count as u32).map(|v| [v - 1, v]).collect();
         let heights: Vec<f64> = (0..count).map(|i| (i as f64 * 1e-3).sin() + 1e-6 * i as f64).collect();
