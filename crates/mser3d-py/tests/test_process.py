@@ -43,7 +43,7 @@ def test_progress_is_told_and_can_cancel(human):
     assert shares == sorted(shares) and 0.0 <= shares[0] and shares[-1] <= 1.0
     # Each stage is told, however short it is.
     stages = list(dict.fromkeys(stage for stage, _, _ in told))
-    assert stages == ["voxelize", "spectrum", "regions", "reliability", "descriptors"]
+    assert stages == ["voxelize", "spectrum", "regions", "reliability", "descriptors", "parts"]
 
     class Enough(Exception):
         pass

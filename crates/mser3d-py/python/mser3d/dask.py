@@ -141,6 +141,12 @@ def detect_many(
         batch.computed, batch.kept = run.computed, run.kept
         batch.failed = Records(Record(run.failed[name]) for name in sorted(run.failed))
         batch.shapes, batch.regions, _ = plan.finish()
+    except Exception as error:
+        # Ctrl-C ends the workers too. That cleaning up then fails does not hide it.
+        before: BaseException | None = error
+        while before is not None and not isinstance(before, KeyboardInterrupt):
+            before = before.__context__
+        raise before or error
     finally:
         plan.abandon()
     notes = [f"{path}: label {label} has only {n} voxels and was left out" for path, label, n in plan.skipped]
