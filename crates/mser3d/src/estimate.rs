@@ -4,7 +4,7 @@ use mser3d_descriptors::TimeScale;
 use mser3d_shape::Domain;
 use mser3d_spectral::{Eigensolver, SINGLE_PRECISION, SpectrumParameters};
 
-use crate::reliability::{COARSER, Original, occupied};
+use crate::reliability::{Original, coarser, occupied};
 use crate::weighing::KEPT_ELEMENTS;
 use crate::{Descriptor, Input, Parameters, Weight};
 
@@ -138,13 +138,13 @@ impl Parameters {
 
     /// The same for the stages of its search.
     pub(crate) fn stages_of_copy(&self, input: &Input, elements: usize) -> StageSeconds {
-        let elements = elements as f64;
+        let (coarser, elements) = (coarser(elements), elements as f64);
         let all = self.spectrum.eigenpairs.about(input.domain()) as f64;
         let k = if self.weight.has_time_scale() { all.min(COPY_EIGENPAIRS) } else { all };
         let trees = if self.weight.has_time_scale() { self.time_scales.len() } else { 1 } as f64;
         let (n, spectrum) = match input.domain() {
             Domain::Volume => {
-                let n = elements / if matches!(input, Input::Volume(_)) { COARSER.powi(3) } else { 1.0 };
+                let n = elements / coarser.powi(3);
                 (n, volume_spectrum(n, k, &self.spectrum).seconds)
             }
             Domain::Surface => (elements, surface_spectrum(elements, k).seconds),
@@ -152,7 +152,9 @@ impl Parameters {
         let solid = Solid::of(input, self, elements);
         let voxels = match input {
             // The box around what is moved, which is wider; and the components in it.
-            Input::Solid(grid) => 0.4e-6 * occupied(grid).1.iter().map(|&n| f64::from(n)).product::<f64>(),
+            Input::Solid(grid) => {
+                0.4e-6 * occupied(grid).1.iter().map(|&n| f64::from(n) / coarser).product::<f64>()
+            }
             _ => solid.seconds,
         };
         // Where each voxel and each vertex is on the copy.

@@ -11,8 +11,8 @@ use rayon::prelude::*;
 use crate::progress::{Progress, ProgressFn, Stage, report};
 use crate::regions::find_regions_with;
 use crate::{Body, DiscreteShape, Error, Input, Parameters, Region, RegionSet, Weight};
-pub(crate) use deformed::{COARSER, Original, occupied};
 use deformed::{Deformed, Place};
+pub(crate) use deformed::{Original, coarser, occupied};
 
 /// How the reliability of regions is measured, and which of them are kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
