@@ -55,31 +55,30 @@ impl<R: Row> BlockMatrix<R> {
         &mut self.blocks
     }
 
-    /// Rows of `width` numbers, in another order: `set(matrix, row, i, target)` sets the i-th from the row `source[i]`, which lies at
-    /// `row` of that matrix by then. Large matrices are divided into pieces that are given back one by one, so that no more is held at a time
+    /// Rows of `width` numbers, in another order: `set(blocks, row, target)` sets the i-th from what was the row `source[i]` and is that
+    /// `row` of the blocks by then. Large matrices are divided into pieces that are given back one by one, so that no more is held at a time
     /// than the matrix and a block, or the rows and a piece.
     pub fn into_rows(
         self,
         source: &[u32],
         width: usize,
-        set: impl Fn(&Self, usize, usize, &mut [R::Number]) + Sync,
+        set: impl Fn(&[Block<R>], usize, &mut [R::Number]) + Sync,
     ) -> Vec<R::Number> {
         let mut all = vec![R::ZERO_NUMBER; self.rows * width];
         if self.rows <= PIECE {
             let targets = all.par_chunks_exact_mut(width).enumerate().with_min_len(CHUNK);
-            targets.for_each(|(i, target)| set(&self, source[i] as usize, i, target));
+            targets.for_each(|(i, target)| set(&self.blocks, source[i] as usize, target));
             return all;
         }
-        let mut pieces: Vec<Self> =
-            source.chunks(PIECE).map(|rows| Self::from_blocks(rows.len(), Vec::new())).collect();
+        let mut pieces: Vec<Vec<Block<R>>> = source.chunks(PIECE).map(|_| Vec::new()).collect();
         for block in self.blocks {
             for (piece, rows) in pieces.iter_mut().zip(source.chunks(PIECE)) {
-                piece.blocks.push(rows.par_iter().map(|&row| block[row as usize]).collect());
+                piece.push(rows.par_iter().map(|&row| block[row as usize]).collect());
             }
         }
-        for (at, (piece, targets)) in pieces.into_iter().zip(all.chunks_mut(PIECE * width)).enumerate() {
+        for (piece, targets) in pieces.into_iter().zip(all.chunks_mut(PIECE * width)) {
             let targets = targets.par_chunks_exact_mut(width).enumerate().with_min_len(CHUNK);
-            targets.for_each(|(row, target)| set(&piece, row, at * PIECE + row, target));
+            targets.for_each(|(row, target)| set(&piece, row, target));
         }
         all
     }
@@ -291,11 +290,11 @@ mod tests {
             let block = (0..n).map(|row| Lanes(std::array::from_fn(|l| (row * LANES + l) as f64))).collect();
             let source: Vec<u32> = (0..n as u32).rev().collect();
             let rows =
-                BlockMatrix::from_blocks(n, vec![block]).into_rows(&source, 3, |matrix, row, i, target| {
-                    target.copy_from_slice(&[i as f64, matrix.at(row, 0), matrix.at(row, 7)]);
+                BlockMatrix::from_blocks(n, vec![block]).into_rows(&source, 2, |blocks, row, target| {
+                    target.copy_from_slice(&[blocks[0][row].0[0], blocks[0][row].0[7]]);
                 });
-            let expected = |i: usize| [i, (n - 1 - i) * LANES, (n - 1 - i) * LANES + 7].map(|x| x as f64);
-            assert!(rows.chunks_exact(3).enumerate().all(|(i, row)| row == expected(i)), "{n}");
+            let expected = |i: usize| [(n - 1 - i) * LANES, (n - 1 - i) * LANES + 7].map(|x| x as f64);
+            assert!(rows.chunks_exact(2).enumerate().all(|(i, row)| row == expected(i)), "{n}");
         }
     }
 }

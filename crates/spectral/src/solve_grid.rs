@@ -197,10 +197,17 @@ where
     for (row, &voxel) in found.order.iter().enumerate() {
         rows[voxel as usize] = row as u32;
     }
-    let functions = found.vectors.into_rows(&rows, wanted + 1, |vectors, row, _, target| {
+    // Where each vector's number comes in a row of the result, behind the constant.
+    let mut places = vec![0; wanted.next_multiple_of(LANES)];
+    order.iter().enumerate().for_each(|(place, &i)| places[i] = place + 1);
+    let functions = found.vectors.into_rows(&rows, wanted + 1, |blocks, row, target| {
         target[0] = constant;
-        for (t, &i) in target[1..].iter_mut().zip(&order) {
-            *t = R::number(vectors.at(row, i) * scale);
+        for (block, places) in blocks.iter().zip(places.chunks(LANES)) {
+            for (x, &place) in block[row].wide().0.iter().zip(places) {
+                if place > 0 {
+                    target[place] = R::number(x * scale);
+                }
+            }
         }
     });
     let values = std::iter::once(0.0).chain(order.iter().map(|&i| found.values[i]));

@@ -35,7 +35,7 @@ pub(super) struct Place {
 
 /// Voxels of a copy, where its shape has more; of large shapes an eighth. Reliability orders regions as well as on copies
 /// with all voxels (areas of .66 and .60, `cargo xtask reliability`), in a fifth of the time.
-const COPY_VOXELS: f64 = 11_000.0;
+const COPY_VOXELS: f64 = 8_000.0;
 const COARSEST: f64 = 2.0;
 
 /// How far, in voxels, an element may be from the voxel that it became.
