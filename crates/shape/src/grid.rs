@@ -1,47 +1,9 @@
 use crate::bits::clear;
+use crate::neighbours::{Connectivity, DIAGONALS, Faces};
+use crate::numbering::Numbering;
 use crate::{BitGrid, Bits, Frame, Graph, ShapeError};
 use std::ops::Range;
 use std::sync::Arc;
-
-crate::choice! {
-    /// Which voxels are neighbours.
-    pub enum Connectivity("connectivity") {
-        /// Voxels that share a face; in an image, 4 pixels
-        #[default]
-        Six = "6",
-        /// Voxels that share a face, an edge or a corner; in an image, 8 pixels
-        TwentySix = "26",
-    }
-}
-
-/// One of each pair of opposite steps to the 20 neighbours that share only an edge or a corner;
-/// each leads to a voxel with a greater number.
-pub const DIAGONALS: [[i32; 3]; 10] = [
-    [1, 1, 0],
-    [-1, 1, 0],
-    [1, 0, 1],
-    [-1, 0, 1],
-    [0, 1, 1],
-    [0, -1, 1],
-    [1, 1, 1],
-    [-1, 1, 1],
-    [1, -1, 1],
-    [-1, -1, 1],
-];
-
-/// The linked neighbours of a voxel through its faces: along each axis the one before it and the one after it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Faces(pub [[Option<u32>; 2]; 3]);
-
-impl Faces {
-    /// The neighbours in the order of their numbers, and the axis along which each lies.
-    #[inline]
-    pub fn ascending(self) -> impl Iterator<Item = (u32, usize)> {
-        let [[x, x_after], [y, y_after], [z, z_after]] = self.0;
-        let all = [(z, 2), (y, 1), (x, 0), (x_after, 0), (y_after, 1), (z_after, 2)];
-        all.into_iter().filter_map(|(neighbour, axis)| Some((neighbour?, axis)))
-    }
-}
 
 /// A solid as voxels and the links between them.
 ///
@@ -58,15 +20,9 @@ pub struct VoxelGrid {
     occupancy: Arc<BitGrid>,
     links: Arc<[BitGrid; 3]>,
     cut_diagonals: Option<Arc<Vec<[u32; 2]>>>,
-    /// Occupied voxels before each word.
-    rank: Arc<Vec<u32>>,
-    /// The word of each voxel whose number is a multiple of [`HINT`].
-    hints: Arc<Vec<usize>>,
+    numbering: Arc<Numbering>,
     len: usize,
 }
-
-/// Of so many voxels one tells where it is, and where to look for the others.
-const HINT: usize = 256;
 
 impl VoxelGrid {
     /// A grid with the given links: bit v of `links[a]` links voxel v to its neighbour along +a.
@@ -141,20 +97,10 @@ impl VoxelGrid {
             let (count, limit) = (len as u128, u128::from(u32::MAX) - 1);
             return Err(ShapeError::TooMany { what: "occupied voxels", count, limit });
         }
-        let (mut rank, mut hints) = (Vec::with_capacity(occupancy.words().len()), Vec::new());
-        hints.reserve_exact(len.div_ceil(HINT));
-        let mut before = 0;
-        for (word, bits) in occupancy.words().iter().enumerate() {
-            rank.push(before);
-            before += bits.count_ones();
-            while hints.len() * HINT < before as usize {
-                hints.push(word);
-            }
-        }
-        let (rank, hints) = (Arc::new(rank), Arc::new(hints));
+        let numbering = Arc::new(Numbering::new(&occupancy));
         let (occupancy, links, cut_diagonals) =
             (Arc::new(occupancy), Arc::new(links), cut_diagonals.map(Arc::new));
-        Ok(Self { frame, occupancy, links, cut_diagonals, rank, hints, len })
+        Ok(Self { frame, occupancy, links, cut_diagonals, numbering, len })
     }
 
     /// Size and place of the grid.
@@ -195,14 +141,10 @@ impl VoxelGrid {
     /// The number of an occupied voxel.
     #[inline]
     pub fn index(&self, voxel: [u32; 3]) -> Option<u32> {
-        self.occupancy.get(voxel).then(|| self.rank_of(voxel))
-    }
-
-    /// Occupied voxels before this place, which must lie in the box.
-    #[inline]
-    fn rank_of(&self, voxel: [u32; 3]) -> u32 {
-        let (word, bit) = self.occupancy.position(voxel);
-        self.rank[word] + (self.occupancy.words()[word] & ((1 << bit) - 1)).count_ones()
+        self.occupancy.get(voxel).then(|| {
+            let (word, bit) = self.occupancy.position(voxel);
+            self.numbering.number(&self.occupancy, word, bit)
+        })
     }
 
     /// The occupied voxels in the order of their numbers.
@@ -212,7 +154,7 @@ impl VoxelGrid {
 
     /// The occupied voxel with a number, which must be below [`len`](Self::len).
     pub fn voxel(&self, number: u32) -> [u32; 3] {
-        let (word, bit) = self.position_of(number);
+        let (word, bit) = self.numbering.position(&self.occupancy, number);
         self.occupancy.voxel(word, bit)
     }
 
@@ -222,30 +164,14 @@ impl VoxelGrid {
         let (mut first, mut bits, mut next) = ([0; 3], Bits(0), 0);
         numbers.iter().map(move |&number| {
             if number < next || number - next >= bits.0.count_ones() {
-                let word = self.word_of(number);
+                let word = self.numbering.word(number);
                 first = self.occupancy.voxel(word, 0);
-                (bits, next) = (Bits(self.occupancy.words()[word]), self.rank[word]);
+                (bits, next) = (Bits(self.occupancy.words()[word]), self.numbering.first(word));
             }
             let bit = bits.nth((number - next) as usize).unwrap_or_default();
             next = number + 1;
             [first[0] + bit, first[1], first[2]]
         })
-    }
-
-    /// The word that holds the voxel with a number: of words that begin with the same number all but the last are empty.
-    #[inline]
-    fn word_of(&self, number: u32) -> usize {
-        let hint = number as usize / HINT;
-        let (first, last) =
-            (self.hints[hint], self.hints.get(hint + 1).map_or(self.rank.len(), |last| last + 1));
-        first + self.rank[first..last].partition_point(|&before| before <= number) - 1
-    }
-
-    /// The word and the bit in it that hold the voxel with a number.
-    #[inline]
-    fn position_of(&self, number: u32) -> (usize, u32) {
-        let word = self.word_of(number);
-        (word, nth_bit(self.occupancy.words()[word], number - self.rank[word]))
     }
 
     /// The linked pairs of face neighbours along an axis, as voxel numbers, the smaller first,
@@ -255,9 +181,8 @@ impl VoxelGrid {
         let stride = [0, inside.row_words(), inside.row_words() * inside.dims()[1]][axis];
         (0..links.words().len()).flat_map(move |word| {
             Bits(links.words()[word]).map(move |bit| {
-                let before = |w: usize| (inside.words()[w] & ((1 << bit) - 1)).count_ones();
-                let u = self.rank[word] + before(word);
-                let v = if axis == 0 { u + 1 } else { self.rank[word + stride] + before(word + stride) };
+                let u = self.numbering.number(inside, word, bit);
+                let v = if axis == 0 { u + 1 } else { self.numbering.number(inside, word + stride, bit) };
                 [u, v]
             })
         })
@@ -289,29 +214,32 @@ impl VoxelGrid {
     /// ```
     #[inline]
     pub fn faces(&self, voxels: Range<u32>) -> impl Iterator<Item = Faces> + '_ {
-        let (first, bit) =
-            if voxels.is_empty() { (self.rank.len(), 0) } else { self.position_of(voxels.start) };
+        let words = self.occupancy.words().len();
+        let (first, bit) = match voxels.is_empty() {
+            true => (words, 0),
+            false => self.numbering.position(&self.occupancy, voxels.start),
+        };
         let bits_of = move |word: usize| {
             self.occupancy.words()[word] & if word == first { u64::MAX << bit } else { u64::MAX }
         };
         let of_word = move |word: usize| Bits(bits_of(word)).map(move |bit| (word, bit));
-        let places = (first..self.rank.len()).flat_map(of_word);
+        let places = (first..words).flat_map(of_word);
         voxels.zip(places).map(|(voxel, (word, bit))| self.faces_at(voxel, word, bit))
     }
 
     /// The linked neighbours of one voxel.
     #[inline]
     pub fn faces_of(&self, voxel: u32) -> Faces {
-        let (word, bit) = self.position_of(voxel);
+        let (word, bit) = self.numbering.position(&self.occupancy, voxel);
         self.faces_at(voxel, word, bit)
     }
 
     #[inline]
     fn faces_at(&self, voxel: u32, word: usize, bit: u32) -> Faces {
-        let (inside, [x, y, z]) = (self.occupancy.words(), self.links.each_ref().map(BitGrid::words));
+        let [x, y, z] = self.links.each_ref().map(BitGrid::words);
         let (row, slab) = (self.occupancy.row_words(), self.occupancy.row_words() * self.occupancy.dims()[1]);
         let has = |links: u64| links >> bit & 1 == 1;
-        let number = |word: usize| self.rank[word] + (inside[word] & ((1 << bit) - 1)).count_ones();
+        let number = |word: usize| self.numbering.number(&self.occupancy, word, bit);
         let before = |links: &[u64], stride: usize| {
             (word >= stride && has(links[word - stride])).then(|| number(word - stride))
         };
@@ -375,7 +303,7 @@ impl VoxelGrid {
             }
         }
         let cut = self.cut_diagonals.map(Arc::unwrap_or_clone);
-        drop(self.rank);
+        drop(self.numbering);
         Self::unchecked(self.frame, occupancy, links, cut).expect("fewer voxels than before")
     }
 
@@ -385,7 +313,7 @@ impl VoxelGrid {
             (BitGrid::clone(&self.occupancy), <[BitGrid; 3]>::clone(&self.links));
         let mut renumber = vec![u32::MAX; self.len];
         let (mut old, mut new) = (0u32, 0u32);
-        for word in 0..self.rank.len() {
+        for word in 0..self.occupancy.words().len() {
             let mut kept = 0;
             for bit in Bits(self.occupancy.words()[word]) {
                 if keep(old) {
@@ -420,21 +348,6 @@ fn check_size(frame: &Frame, bits: &BitGrid) -> Result<(), ShapeError> {
         }),
         None => Ok(()),
     }
-}
-
-/// Which bit of a word is the one with so many set bits before it.
-#[inline]
-fn nth_bit(mut bits: u64, mut before: u32) -> u32 {
-    let mut at = 0;
-    for width in [32, 16, 8, 4, 2, 1] {
-        let low = (bits & ((1 << width) - 1)).count_ones();
-        if before >= low {
-            before -= low;
-            bits >>= width;
-            at += width;
-        }
-    }
-    at
 }
 
 /// The voxels whose neighbour along +axis is inside too.

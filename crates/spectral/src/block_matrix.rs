@@ -9,10 +9,8 @@ use faer::{Mat, MatRef};
 use mser3d_shape::SplitMix64;
 use rayon::prelude::*;
 
-use crate::kernels::{
-    Block, LANES, Lanes, Row, Square, add_own_products, add_products, combine, rotate, squares, total,
-    with_next,
-};
+use crate::kernels::{Square, add_own_products, add_products, combine, rotate, squares, total, with_next};
+use crate::row::{Block, LANES, Lanes, Row};
 
 /// Rows in a chunk: of a block 32 KB, enough for the processor to fetch ahead.
 const CHUNK: usize = 512;

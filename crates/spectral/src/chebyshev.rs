@@ -1,6 +1,6 @@
 //! Chebyshev polynomials of the grid Laplacian, applied to blocks of vectors without a matrix.
 
-use crate::kernels::Row;
+use crate::row::Row;
 use crate::stencil::{SlicedStencil, Step};
 use crate::temporal_blocking::{self, Tiling};
 
@@ -61,7 +61,7 @@ impl Polynomial {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernels::{LANES, Lanes};
+    use crate::row::{LANES, Lanes};
     use mser3d_shape::{BitGrid, Frame, VoxelGrid};
 
     #[test]

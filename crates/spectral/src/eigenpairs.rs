@@ -3,8 +3,8 @@
 use mser3d_laplace::Operator;
 
 use crate::block_matrix::BlockMatrix;
-use crate::kernels::Lanes;
 use crate::quality::{check_residuals, orthogonality, residuals};
+use crate::row::Lanes;
 use crate::standard_problem::StandardProblem;
 use crate::{SolverUsed, SpectralError, Spectrum, SpectrumReport};
 

@@ -7,7 +7,7 @@ use faer::sparse::linalg::cholesky::supernodal::SupernodalLdltRef;
 use faer::sparse::linalg::cholesky::{SymbolicCholesky, SymbolicCholeskyRaw};
 use pulp::{Simd, WithSimd};
 
-use crate::kernels::{LANES, Lanes};
+use crate::row::{LANES, Lanes};
 
 /// `P^T L D L^T P = A - sigma I`; L has a unit diagonal, D is stored in its place.
 pub(crate) struct Factor<'a> {

@@ -21,7 +21,7 @@ const COMBINE: f64 = 0.1;
 pub(crate) struct Lanczos<'a> {
     /// Rows.
     pub rows: usize,
-    /// Columns added at a time, a multiple of [`crate::kernels::LANES`].
+    /// Columns added at a time, a multiple of [`crate::row::LANES`].
     pub block: usize,
     /// Eigenpairs wanted.
     pub wanted: usize,

@@ -9,8 +9,8 @@ use rayon::prelude::*;
 
 use crate::SpectralError;
 use crate::block_matrix::BlockMatrix;
-use crate::kernels::{Block, LANES};
 use crate::null_space::NullSpace;
+use crate::row::{Block, LANES};
 use crate::small_dense::orthonormal_combinations;
 
 /// Overlap that rounding leaves in an image, relative to the operator's norm.

@@ -65,6 +65,7 @@ mod progress;
 mod quality;
 mod rayleigh_quotient;
 mod report;
+mod row;
 mod shift_invert;
 mod small_dense;
 mod solve_grid;

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::block_matrix::BlockMatrix;
-use crate::kernels::{LANES, Lanes};
+use crate::row::{LANES, Lanes};
 
 /// Rows that a thread sums up at a time.
 const ROWS: usize = 1 << 13;

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::SpectralError;
 use crate::block_matrix::BlockMatrix;
-use crate::kernels::{LANES, Lanes, Row};
+use crate::row::{LANES, Lanes, Row};
 use crate::standard_problem::StandardProblem;
 
 /// `|A x - lambda x| / lambda` of each pair, measured on the vectors. An eigenvalue that is zero to rounding

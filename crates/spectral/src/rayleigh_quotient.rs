@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::kernels::{Block, LANES, Row};
+use crate::row::{Block, LANES, Row};
 use crate::stencil::SlicedStencil;
 use crate::temporal_blocking::{self, Tiling};
 

@@ -17,11 +17,11 @@ use crate::block_matrix::BlockMatrix;
 use crate::eigenpairs::Pairs;
 use crate::elimination::{Elimination, Search};
 use crate::factor::Factor;
-use crate::kernels::{LANES, Lanes};
 use crate::lanczos::{Lanczos, RitzPairs};
 use crate::multiplicity::add_missed_copies;
 use crate::null_space::NullSpace;
 use crate::quality::attainable;
+use crate::row::{LANES, Lanes};
 use crate::standard_problem::StandardProblem;
 
 /// Columns added to the basis at a time. More find more copies at once, but need a larger basis.

@@ -11,13 +11,13 @@ use crate::count::count_below;
 use crate::eigenpairs::GridPairs;
 use crate::filter::{basis_columns, coarse_factor, filtered_eigenpairs};
 use crate::fronts::suits_inverse;
-use crate::kernels::{LANES, Lanes, Row, Short};
 use crate::lambda_max::all_below;
 use crate::limits::{check_memory, check_size};
 use crate::multigrid;
 use crate::multiplicity::may_hide_copies;
 use crate::progress::Heard;
 use crate::quality::{check_residuals, orthogonality};
+use crate::row::{LANES, Lanes, Row, Short};
 use crate::solve_matrix::connected_eigenpairs;
 use crate::standard_problem::unit_eigenvalue;
 use crate::{

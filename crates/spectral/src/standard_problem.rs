@@ -5,8 +5,8 @@ use mser3d_shape::{Domain, Eigenbasis};
 
 use crate::SpectralError;
 use crate::block_matrix::BlockMatrix;
-use crate::kernels::{Block, LANES, Lanes};
 use crate::null_space::NullSpace;
+use crate::row::{Block, LANES, Lanes};
 
 /// An eigenvalue below minus this, relative to the bound of the spectrum, is negative and no rounding error.
 pub(crate) const NEGATIVE: f64 = 1e-10;

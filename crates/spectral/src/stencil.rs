@@ -7,7 +7,7 @@ use mser3d_laplace::GridStencil;
 use mser3d_shape::VoxelGrid;
 use pulp::Simd;
 
-use crate::kernels::{LANES, Row};
+use crate::row::{LANES, Row};
 
 /// The grid Laplacian with its voxels reordered: slices across the solid's longest axis, in them lines along
 /// the second longest.

@@ -17,7 +17,7 @@ use std::ops::Range;
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
-use crate::kernels::Row;
+use crate::row::Row;
 use crate::stencil::{SlicedStencil, Step};
 
 /// Bytes that the slices of a wave may fill of a core's second-level cache, where they stay without being

@@ -12,7 +12,7 @@ use super::level::{ChebyshevStep, Columns, Level, ROWS, rows};
 use super::ritz::rayleigh_ritz;
 use crate::SpectralError;
 use crate::block_matrix::BlockMatrix;
-use crate::kernels::{Block, LANES, Lanes, Row, Short};
+use crate::row::{Block, LANES, Lanes, Row, Short};
 
 /// Steps of smoothing before the next coarser level, and after it.
 const SMOOTHING: usize = 4;

@@ -7,7 +7,7 @@ use mser3d_shape::Domain;
 use rayon::prelude::*;
 
 use crate::SpectralError;
-use crate::kernels::{LANES, Lanes, Short};
+use crate::row::{LANES, Lanes, Short};
 
 /// Rows that a thread treats at a time.
 pub(super) const ROWS: usize = 1024;

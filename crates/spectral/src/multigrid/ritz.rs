@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::level::{ROWS, rows};
 use crate::SpectralError;
 use crate::block_matrix::BlockMatrix;
-use crate::kernels::{Block, LANES, Lanes, Row};
+use crate::row::{Block, LANES, Lanes, Row};
 use crate::small_dense::{orthonormal_combinations, small_eigen};
 
 /// Rayleigh and Ritz: makes the columns of x M-orthonormal approximations of eigenvectors in their own span, and returns their eigenvalues,

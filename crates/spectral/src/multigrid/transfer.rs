@@ -1,7 +1,7 @@
 //! How vectors go from a level to the next coarser one and back.
 
 use super::level::{Columns, rows};
-use crate::kernels::{LANES, Lanes, Short};
+use crate::row::{LANES, Lanes, Short};
 
 /// Between the rows of a level and their aggregates.
 pub(super) struct Transfer {

@@ -153,6 +153,13 @@ fn where_corrections_come_to_a_stop_the_filter_goes_on() {
     let (found, expected) = (found.unwrap(), expected.unwrap());
     assert_eq!(found.report.solver, SolverUsed::Filter);
     assert_eq!(found.basis, expected.basis);
+    // Where the filter would not fit in memory, what is told is why multigrid stopped.
+    let fits = 8 * 80 * grid.len() as u64;
+    let [stopped, refused] = [Eigensolver::Multigrid, Eigensolver::Filter].map(|s| {
+        solve(&grid, &SpectrumParameters { memory_limit: Some(fits), ..solver(s) }).map(|_| ()).unwrap_err()
+    });
+    assert!(matches!(stopped, SpectralError::NotConverged { restarts: 1, .. }), "{stopped}");
+    assert!(matches!(refused, SpectralError::TooMuchMemory { .. }), "{refused}");
 }
 
 #[test]
