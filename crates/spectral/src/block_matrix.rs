@@ -106,15 +106,16 @@ impl<R: Row> BlockMatrix<R> {
         let (m, n) = (left.len(), other.blocks.len());
         let partial = |group: usize| {
             let mut sums = vec![[Lanes::ZERO; LANES]; m * n];
-            let [mut left_room, mut right_room] = [m, n].map(|blocks| vec![Vec::new(); blocks]);
+            let (mut left_room, mut right_room) = (Vec::new(), vec![Vec::new(); n]);
             for chunk in group * GROUP..((group + 1) * GROUP).min(self.rows.div_ceil(CHUNK)) {
                 let rows = self.rows_of(chunk);
-                let left = widened(left, rows.clone(), &mut left_room);
-                let right = widened(&other.blocks, rows.clone(), &mut right_room);
-                for (i, a) in with_next(&left, 0..rows.len()).enumerate() {
+                let blocks = other.blocks.iter().zip(&mut right_room);
+                let right: Vec<&[Lanes]> =
+                    blocks.map(|(block, room)| R::widened(&block[rows.clone()], room)).collect();
+                for (i, [a, next]) in with_next(left, rows).enumerate() {
                     let wanted = wanted(i);
                     let sums = &mut sums[i * n + wanted.start..i * n + wanted.end];
-                    add_products(a, &right[wanted], sums);
+                    add_products(R::widened(a, &mut left_room), next, &right[wanted], sums);
                 }
             }
             sums
@@ -145,13 +146,13 @@ impl<R: Row> BlockMatrix<R> {
             }
         }
         let partial = |(group, mut blocks): (usize, Vec<&mut [R]>)| {
-            let mut sums = vec![[Lanes::ZERO; LANES]; m * n];
+            let (mut sums, mut room) = (vec![[Lanes::ZERO; LANES]; m * n], vec![Vec::new(); n]);
             for chunk in group * GROUP..((group + 1) * GROUP).min(all.div_ceil(CHUNK)) {
                 let rows = chunk * CHUNK..((chunk + 1) * CHUNK).min(all);
                 let first = rows.start - group * GROUP * CHUNK;
                 let mut targets: Vec<&mut [R]> =
                     blocks.iter_mut().map(|block| &mut block[first..first + rows.len()]).collect();
-                R::change(&mut targets, |targets| work(rows, targets, &mut sums));
+                R::change(&mut targets, &mut room, |targets| work(rows, targets, &mut sums));
             }
             sums
         };
@@ -206,8 +207,8 @@ impl BlockMatrix {
         let left = &other.blocks[blocks];
         self.update(left.len(), |rows, targets, sums| {
             combine(left, rows.clone(), &squares, targets);
-            for (a, sums) in with_next(left, rows).zip(sums.chunks_exact_mut(targets.len())) {
-                add_products(a, targets, sums);
+            for ([a, next], sums) in with_next(left, rows).zip(sums.chunks_exact_mut(targets.len())) {
+                add_products(a, next, targets, sums);
             }
         })
     }
@@ -235,15 +236,6 @@ impl BlockMatrix {
             add_own_products(targets, sums);
         })
     }
-}
-
-/// Rows of each block in double precision.
-fn widened<'a, R: Row>(
-    blocks: &'a [Block<R>],
-    rows: Range<usize>,
-    room: &'a mut [Vec<Lanes>],
-) -> Vec<&'a [Lanes]> {
-    blocks.iter().zip(room).map(|(block, room)| R::widened(&block[rows.clone()], room)).collect()
 }
 
 #[cfg(test)]

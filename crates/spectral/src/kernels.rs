@@ -30,7 +30,7 @@ pub(crate) fn total(partials: Vec<Vec<Square>>, m: usize, n: usize) -> Mat<f64> 
 
 /// Asks for a row that will be read soon: by itself the processor fetches too late for kernels as fast as these.
 #[inline(always)]
-fn prefetch(row: &Lanes) {
+fn prefetch<R>(row: &R) {
     #[cfg(target_arch = "x86_64")]
     if let Some(sse) = pulp::core_arch::x86::Sse::try_new() {
         sse._mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(std::ptr::from_ref(row).cast());
@@ -40,10 +40,10 @@ fn prefetch(row: &Lanes) {
 }
 
 /// Rows of each block, each time with those of the block that follows; nothing follows the last.
-pub(crate) fn with_next<B: AsRef<[Lanes]>>(
-    blocks: &[B],
+pub(crate) fn with_next<'a, R: 'a, B: AsRef<[R]>>(
+    blocks: &'a [B],
     rows: Range<usize>,
-) -> impl Iterator<Item = [&[Lanes]; 2]> {
+) -> impl Iterator<Item = [&'a [R]; 2]> {
     (0..blocks.len()).map(move |at| {
         [at, at + 1].map(|at| blocks.get(at).map_or(&[][..], |block| &block.as_ref()[rows.clone()]))
     })
@@ -51,8 +51,8 @@ pub(crate) fn with_next<B: AsRef<[Lanes]>>(
 
 /// `targets += left[rows] coefficients`.
 pub(crate) fn combine(left: &[Block], rows: Range<usize>, squares: &[Square], targets: &mut [&mut [Lanes]]) {
-    for (a, squares) in with_next(left, rows).zip(squares.chunks_exact(targets.len())) {
-        add_combinations(a, squares, targets);
+    for ([a, next], squares) in with_next(left, rows).zip(squares.chunks_exact(targets.len())) {
+        add_combinations(a, next, squares, targets);
     }
 }
 
@@ -62,8 +62,8 @@ pub(crate) fn rotate(coefficients: MatRef<'_, f64>, squares: &[Square], blocks: 
     let length = blocks[0].len();
     let mut product = vec![Lanes::ZERO; n * length];
     let mut targets: Vec<&mut [Lanes]> = product.chunks_exact_mut(length).collect();
-    for (a, squares) in with_next(&blocks[..m], 0..length).zip(squares.chunks_exact(n)) {
-        add_combinations(a, squares, &mut targets);
+    for ([a, next], squares) in with_next(&blocks[..m], 0..length).zip(squares.chunks_exact(n)) {
+        add_combinations(a, next, squares, &mut targets);
     }
     for (block, values) in blocks.iter_mut().zip(product.chunks_exact(length)) {
         block.copy_from_slice(values);
@@ -73,8 +73,8 @@ pub(crate) fn rotate(coefficients: MatRef<'_, f64>, squares: &[Square], blocks: 
 /// `sums += blocks^T blocks`.
 pub(crate) fn add_own_products(blocks: &[&mut [Lanes]], sums: &mut [Square]) {
     let rows = 0..blocks.first().map_or(0, |block| block.len());
-    for (a, sums) in with_next(blocks, rows).zip(sums.chunks_exact_mut(blocks.len())) {
-        add_products(a, blocks, sums);
+    for ([a, next], sums) in with_next(blocks, rows).zip(sums.chunks_exact_mut(blocks.len())) {
+        add_products(a, next, blocks, sums);
     }
 }
 
@@ -91,8 +91,8 @@ pub(crate) fn squares(coefficients: MatRef<'_, f64>, factor: f64) -> Vec<Square>
     (0..m * n).map(square).collect()
 }
 
-/// `sums[j] += a^T b[j]`; after a comes another block, `next`.
-pub(crate) fn add_products([a, mut next]: [&[Lanes]; 2], b: &[impl AsRef<[Lanes]>], sums: &mut [Square]) {
+/// `sums[j] += a^T b[j]`; `next` is what a is followed by.
+pub(crate) fn add_products<R>(a: &[Lanes], mut next: &[R], b: &[impl AsRef<[Lanes]>], sums: &mut [Square]) {
     let arch = pulp::Arch::new();
     for (b, sums) in b.chunks(PAIR).zip(sums.chunks_mut(PAIR)) {
         match (b, sums) {
@@ -107,8 +107,8 @@ pub(crate) fn add_products([a, mut next]: [&[Lanes]; 2], b: &[impl AsRef<[Lanes]
     }
 }
 
-/// `targets[j] += a coefficients[j]`; after a comes another block, `next`.
-fn add_combinations([a, mut next]: [&[Lanes]; 2], coefficients: &[Square], targets: &mut [&mut [Lanes]]) {
+/// `targets[j] += a coefficients[j]`; `next` is what a is followed by.
+fn add_combinations<R>(a: &[Lanes], mut next: &[R], coefficients: &[Square], targets: &mut [&mut [Lanes]]) {
     let arch = pulp::Arch::new();
     for (coefficients, targets) in coefficients.chunks(PAIR).zip(targets.chunks_mut(PAIR)) {
         match (coefficients, targets) {
@@ -127,14 +127,14 @@ fn add_combinations([a, mut next]: [&[Lanes]; 2], coefficients: &[Square], targe
 /// computing.
 const PAIR: usize = 2;
 
-struct Products<'a, const N: usize> {
+struct Products<'a, R, const N: usize> {
     a: &'a [Lanes],
-    next: &'a [Lanes],
+    next: &'a [R],
     b: [&'a [Lanes]; N],
     sums: [&'a mut Square; N],
 }
 
-impl<const N: usize> WithSimd for Products<'_, N> {
+impl<R, const N: usize> WithSimd for Products<'_, R, N> {
     type Output = ();
 
     #[inline(always)]
@@ -166,14 +166,14 @@ impl<const N: usize> WithSimd for Products<'_, N> {
     }
 }
 
-struct Combinations<'a, const N: usize> {
+struct Combinations<'a, R, const N: usize> {
     a: &'a [Lanes],
-    next: &'a [Lanes],
+    next: &'a [R],
     coefficients: [&'a Square; N],
     targets: [&'a mut [Lanes]; N],
 }
 
-impl<const N: usize> WithSimd for Combinations<'_, N> {
+impl<R, const N: usize> WithSimd for Combinations<'_, R, N> {
     type Output = ();
 
     #[inline(always)]
