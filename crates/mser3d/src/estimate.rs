@@ -201,7 +201,7 @@ fn volume_spectrum(n: f64, k: f64, parameters: &SpectrumParameters) -> Work {
     }
     let (solver, digits) = (parameters.solver, parameters.tolerance.ln().abs());
     let multigrid = match solver {
-        Eigensolver::Auto => n >= 15.0 * k * digits.powi(3),
+        Eigensolver::Auto => n >= 10.0 * k * digits.powi(3),
         Eigensolver::Multigrid => n >= 480.0 * (1.5 * k + 8.0),
         _ => false,
     };

@@ -29,7 +29,7 @@ pub const SINGLE_PRECISION: f64 = 1e-4;
 
 /// The smallest eigenpairs of a voxel grid's Laplacian ([`mser3d_laplace::grid_laplacian`]), by the solver
 /// that suits it: where there are more than about a hundred voxels for each eigenpair, the polynomial filter,
-/// which needs no matrix; from `15 k ln(1 / tolerance)^3` voxels on, multigrid. Long thin bodies, such as rods and
+/// which needs no matrix; from `10 k ln(1 / tolerance)^3` voxels on, multigrid. Long thin bodies, such as rods and
 /// coils, suit the inverse: their eigenvalues are so small that the polynomials would be long, and their factors are
 /// thin.
 ///

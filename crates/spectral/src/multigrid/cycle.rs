@@ -5,6 +5,7 @@
 //! eigenvectors is taken out on the coarsest level, where these are known: the equation is nearly singular there, and Rayleigh and
 //! Ritz do it better.
 
+use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::hierarchy::Hierarchy;
@@ -75,13 +76,21 @@ impl<'a> Cycle<'a> {
         let coarsest = self.hierarchy.coarsest();
         let down = |block: &Block<R>| {
             let mut fine = vec![Lanes::ZERO; levels[0].len()];
-            transfers[0].average(&mut fine, levels[0].mass(), |row| block[row].wide().0);
+            transfers[0].average(
+                &mut fine,
+                levels[0].mass(),
+                #[inline(always)]
+                |row| block[row].wide().0,
+            );
             for (transfer, pair) in transfers[1..].iter().zip(levels.windows(2)) {
                 let mut coarse = vec![Lanes::ZERO; pair[1].len()];
                 let mass = pair[0].mass();
-                transfer.average(&mut coarse, pair[1].mass(), |row| {
-                    fine[row].0.map(|x| x * f64::from(mass[row]))
-                });
+                transfer.average(
+                    &mut coarse,
+                    pair[1].mass(),
+                    #[inline(always)]
+                    |row| fine[row].0.map(|x| x * f64::from(mass[row])),
+                );
                 fine = coarse;
             }
             fine
@@ -113,16 +122,32 @@ impl<'a> Cycle<'a> {
     pub fn run(&self, at: usize, shift: &Columns, spaces: &mut [Workspace]) {
         let level = &self.hierarchy.levels[at];
         let Some((own, coarser)) = spaces.split_first_mut() else { return };
-        rows(&mut own.d, |_, d| *d = Short::default());
+        rows(
+            &mut own.d,
+            #[inline(always)]
+            |_, d| *d = Short::default(),
+        );
         if coarser.is_empty() {
-            self.take_out(&mut own.residual, |row| (1.0, level.mass()[row]));
+            self.take_out(
+                &mut own.residual,
+                #[inline(always)]
+                |_| 1.0,
+                #[inline(always)]
+                |row| level.mass()[row],
+            );
             let beyond = self.values[(self.known.len() - 1) * LANES];
             let gap = |shift: f32| (beyond - f64::from(shift)).max(0.1 * beyond);
             let low = shift.map(|shift| (level.mass_over_diagonal * gap(shift)).min(0.5) as f32);
             let worst = f64::from(low.iter().copied().fold(0.5, f32::min));
             let steps = (0.5 * COARSEST * (2.0 / worst).sqrt()).ceil() as usize;
             chebyshev(level, shift, [low, [ROUGH[1]; LANES]], steps, own);
-            self.take_out(&mut own.d, |row| (level.mass()[row], 1.0));
+            self.take_out(
+                &mut own.d,
+                #[inline(always)]
+                |row| level.mass()[row],
+                #[inline(always)]
+                |_| 1.0,
+            );
             return;
         }
         let interval = ROUGH.map(|end| [end; LANES]);
@@ -130,47 +155,91 @@ impl<'a> Cycle<'a> {
         let transfer = &self.hierarchy.transfers[at + 1];
         for _ in 0..VISITS {
             level.subtract_image(&own.along, shift, &mut own.residual);
-            transfer.restrict(&mut coarser[0].residual, |row| own.residual[row].0);
+            transfer.restrict(
+                &mut coarser[0].residual,
+                #[inline(always)]
+                |row| own.residual[row].0,
+            );
             self.run(at + 1, shift, coarser);
-            transfer.interpolate(&coarser[0].d, &mut own.along, |target, value| *target = value);
-            rows(&mut own.d, |row, d| (0..LANES).for_each(|l| d.0[l] += own.along[row].0[l]));
+            transfer.interpolate(
+                &coarser[0].d,
+                &mut own.along,
+                #[inline(always)]
+                |target, value| *target = value,
+            );
+            rows(
+                &mut own.d,
+                #[inline(always)]
+                |row, d| *d = Short(std::array::from_fn(|l| d.0[l] + own.along[row].0[l])),
+            );
             level.subtract_image(&own.along, shift, &mut own.residual);
             chebyshev(level, shift, interval, SMOOTHING, own);
         }
     }
 
     /// Takes the known eigenvectors K out: `x -= right K (K^T left x)` with a factor for each row on either side.
-    fn take_out(&self, x: &mut [Short], factors: impl Fn(usize) -> (f32, f32) + Sync) {
-        type Square = [Columns; LANES];
-        for known in &self.known {
-            let part = |(chunk, (known, x)): (usize, (&[Short], &[Short]))| -> Square {
-                let mut sums = [[0.0; LANES]; LANES];
-                pulp::Arch::new().dispatch(
-                    #[inline(always)]
-                    || {
-                        for (i, (known, x)) in known.iter().zip(x).enumerate() {
-                            let left = factors(chunk * ROWS + i).0;
-                            for (sum, k) in sums.iter_mut().zip(known.0) {
-                                (0..LANES).for_each(|l| sum[l] += left * k * x.0[l]);
-                            }
-                        }
-                    },
-                );
-                sums
+    fn take_out(
+        &self,
+        x: &mut [Short],
+        left: impl Fn(usize) -> f32 + Sync,
+        right: impl Fn(usize) -> f32 + Sync,
+    ) {
+        let part = |(chunk, x): (usize, &[Short])| -> Vec<Square> {
+            let first = chunk * ROWS;
+            let overlaps = |known: &Vec<Short>| {
+                let known = &known[first..first + x.len()];
+                pulp::Arch::new().dispatch(Overlaps { first, known, x, left: &left })
             };
-            let parts: Vec<Square> =
-                known.par_chunks(ROWS).zip(x.par_chunks(ROWS)).enumerate().map(part).collect();
-            let mut sums: Square = [[0.0; LANES]; LANES];
-            for part in &parts {
-                (0..LANES).for_each(|i| (0..LANES).for_each(|l| sums[i][l] += part[i][l]));
+            self.known.iter().map(overlaps).collect()
+        };
+        let parts: Vec<Vec<Square>> = x.par_chunks(ROWS).enumerate().map(part).collect();
+        let mut sums = vec![[[0.0; LANES]; LANES]; self.known.len()];
+        for part in &parts {
+            for (sum, part) in sums.as_flattened_mut().iter_mut().zip(part.as_flattened()) {
+                (0..LANES).for_each(|l| sum[l] += part[l]);
             }
-            rows(x, |row, x| {
-                let right = factors(row).1;
-                for (sum, k) in sums.iter().zip(known[row].0) {
-                    (0..LANES).for_each(|l| x.0[l] -= right * k * sum[l]);
-                }
-            });
         }
+        rows(
+            x,
+            #[inline(always)]
+            |row, x| {
+                let (right, mut left_over) = (right(row), x.0);
+                for (known, sums) in self.known.iter().zip(&sums) {
+                    for (k, sum) in known[row].0.iter().zip(sums) {
+                        left_over = std::array::from_fn(|l| left_over[l] - right * k * sum[l]);
+                    }
+                }
+                *x = Short(left_over);
+            },
+        );
+    }
+}
+
+/// Products of each column of a block with each of another one.
+type Square = [Columns; LANES];
+
+/// `K^T left x` of some rows from the first on.
+struct Overlaps<'a, F> {
+    first: usize,
+    known: &'a [Short],
+    x: &'a [Short],
+    left: &'a F,
+}
+
+impl<F: Fn(usize) -> f32> WithSimd for Overlaps<'_, F> {
+    type Output = Square;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Square {
+        let mut sums = [[0.0; LANES]; LANES];
+        for (i, (known, x)) in self.known.iter().zip(self.x).enumerate() {
+            let left = (self.left)(self.first + i);
+            let x: Columns = std::array::from_fn(|l| left * x.0[l]);
+            for (sum, k) in sums.iter_mut().zip(known.0) {
+                *sum = std::array::from_fn(|l| sum[l] + k * x[l]);
+            }
+        }
+        sums
     }
 }
 
@@ -204,5 +273,9 @@ fn with_constant(level: &Level, vectors: &BlockMatrix) -> Vec<Vec<Short>> {
 
 /// `x -= d` in double precision.
 pub(super) fn correct(x: &mut [Lanes], d: &[Short]) {
-    rows(x, |row, x| (0..LANES).for_each(|l| x.0[l] -= f64::from(d[row].0[l])));
+    rows(
+        x,
+        #[inline(always)]
+        |row, x| *x = Lanes(std::array::from_fn(|l| x.0[l] - f64::from(d[row].0[l]))),
+    );
 }

@@ -4,6 +4,7 @@
 use mser3d_laplace::Operator;
 use mser3d_laplace::sprs::TriMat;
 use mser3d_shape::Domain;
+use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 use crate::SpectralError;
@@ -95,14 +96,18 @@ impl Level {
 
     /// `y = W x`.
     pub fn apply(&self, x: &[Lanes], y: &mut [Lanes]) {
-        rows(y, |row, y| {
-            let mut sum = [0.0; LANES];
-            for &(u, flow) in self.links(row) {
-                let (flow, own, other) = (f64::from(flow), &x[row].0, &x[u as usize].0);
-                (0..LANES).for_each(|l| sum[l] += flow * (own[l] - other[l]));
-            }
-            *y = Lanes(sum);
-        });
+        rows(
+            y,
+            #[inline(always)]
+            |row, y| {
+                let mut sum = [0.0; LANES];
+                for &(u, flow) in self.links(row) {
+                    let (flow, own, other) = (f64::from(flow), &x[row].0, &x[u as usize].0);
+                    (0..LANES).for_each(|l| sum[l] += flow * (own[l] - other[l]));
+                }
+                *y = Lanes(sum);
+            },
+        );
     }
 
     /// `(W - shift M) x` at a row.
@@ -119,10 +124,14 @@ impl Level {
 
     /// `residual -= (W - shift M) x`.
     pub fn subtract_image(&self, x: &[Short], shift: &Columns, residual: &mut [Short]) {
-        rows(residual, |row, r| {
-            let image = self.image(x, shift, row);
-            (0..LANES).for_each(|l| r.0[l] -= image[l]);
-        });
+        rows(
+            residual,
+            #[inline(always)]
+            |row, r| {
+                let image = self.image(x, shift, row);
+                *r = Short(std::array::from_fn(|l| r.0[l] - image[l]));
+            },
+        );
     }
 
     /// Begins Chebyshev's iteration: `along = factor D^-1 residual`, by which d goes on.
@@ -140,10 +149,8 @@ impl Level {
                 || {
                     for (i, ((p, d), r)) in along.iter_mut().zip(d).zip(residual).enumerate() {
                         let inverse = self.inverse(chunk * ROWS + i);
-                        for l in 0..LANES {
-                            p.0[l] = factor[l] * inverse * r.0[l];
-                            d.0[l] += p.0[l];
-                        }
+                        *p = Short(std::array::from_fn(|l| factor[l] * inverse * r.0[l]));
+                        *d = Short(std::array::from_fn(|l| d.0[l] + p.0[l]));
                     }
                 },
             );
@@ -168,11 +175,12 @@ impl Level {
                     for (i, ((q, r), d)) in next.iter_mut().zip(residual).zip(d).enumerate() {
                         let row = chunk * ROWS + i;
                         let (image, inverse) = (self.image(along, shift, row), self.inverse(row));
-                        for l in 0..LANES {
-                            r.0[l] -= image[l];
-                            q.0[l] = step.along[l] * along[row].0[l] + step.residual[l] * inverse * r.0[l];
-                            d.0[l] += q.0[l];
-                        }
+                        *r = Short(std::array::from_fn(|l| r.0[l] - image[l]));
+                        let last = along[row].0;
+                        *q = Short(std::array::from_fn(|l| {
+                            step.along[l] * last[l] + step.residual[l] * inverse * r.0[l]
+                        }));
+                        *d = Short(std::array::from_fn(|l| d.0[l] + q.0[l]));
                     }
                 },
             );
@@ -188,12 +196,27 @@ impl Level {
 }
 
 /// Does something with each row, chunk by chunk in parallel.
-#[inline(always)]
 pub(super) fn rows<T: Send>(block: &mut [T], work: impl Fn(usize, &mut T) + Sync) {
-    block.par_chunks_mut(ROWS).enumerate().for_each(|(chunk, block)| {
-        pulp::Arch::new().dispatch(
-            #[inline(always)]
-            || block.iter_mut().enumerate().for_each(|(i, row)| work(chunk * ROWS + i, row)),
-        );
+    block.par_chunks_mut(ROWS).enumerate().for_each(|(chunk, rows)| {
+        pulp::Arch::new().dispatch(EachRow { first: chunk * ROWS, rows, work: &work });
     });
+}
+
+/// Some rows from the first on, as pulp wants it: a closure that is called by another one would not be compiled for each
+/// instruction set.
+struct EachRow<'a, T, F> {
+    first: usize,
+    rows: &'a mut [T],
+    work: &'a F,
+}
+
+impl<T, F: Fn(usize, &mut T)> WithSimd for EachRow<'_, T, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for (i, row) in self.rows.iter_mut().enumerate() {
+            (self.work)(self.first + i, row);
+        }
+    }
 }

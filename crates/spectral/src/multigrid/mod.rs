@@ -54,9 +54,9 @@ const ROUGH: f64 = 0.3;
 /// What a correction must leave of the largest residual, or the iteration has come to a stop.
 const PROGRESS: f64 = 0.8;
 /// It is faster than the filter from this many voxels on for each pair and cubed logarithm of the tolerance, as the filter's work grows
-/// as `n^(4/3) k^(2/3)`, and this as `n k` and the logarithm. At two million voxels with 50 pairs and 1e-6 it took .76 and .78 of the
-/// filter's CPU time on two bodies, at one million about as much.
-const PAYS: f64 = 15.0;
+/// as `n^(4/3) k^(2/3)`, and this as `n k` and the logarithm. At a million voxels with 50 pairs and 1e-6 it took .76 of the filter's
+/// CPU time, with 100 and 1e-4 .77; at half a million with 50 and 1e-4 .58, with 100 pairs 1.6.
+const PAYS: f64 = 10.0;
 /// Residuals up to this number of times what rounding allows are taken for its noise.
 const ROUNDED: f64 = 10.0;
 /// Shares of the work: at the first level, at the grid, at the end of the iteration.
@@ -234,7 +234,12 @@ impl<'a> Subspace<'a> {
         let transfer = &self.cycle.hierarchy.transfers[transfer];
         let up = |block: Block| {
             let mut fine = vec![R::ZERO; rows];
-            transfer.interpolate(&block, &mut fine, |target, value| *target = R::narrow(value));
+            transfer.interpolate(
+                &block,
+                &mut fine,
+                #[inline(always)]
+                |target, value| *target = R::narrow(value),
+            );
             fine
         };
         let blocks = std::mem::take(self.vectors.blocks_mut()).into_iter().map(up).collect();
@@ -253,7 +258,11 @@ impl<'a> Subspace<'a> {
             let mass = level.mass();
             let entry =
                 |row: usize, l: usize| image[row].0[l] - values[l] * f64::from(mass[row]) * block[row].0[l];
-            rows(&mut spaces[0].residual, |row, r| *r = Short(std::array::from_fn(|l| entry(row, l) as f32)));
+            rows(
+                &mut spaces[0].residual,
+                #[inline(always)]
+                |row, r| *r = Short(std::array::from_fn(|l| entry(row, l) as f32)),
+            );
             self.cycle.run(at, &shifts(values, most), spaces);
             correct(block, &spaces[0].d);
         }
@@ -367,19 +376,28 @@ impl<'a, R: Row> Finest<'a, R> {
         let values: [f64; LANES] = std::array::from_fn(|l| values[l] / unit);
         self.cycle.run(0, &shifts(&values, self.most / unit), spaces);
         let transfer = &self.cycle.hierarchy.transfers[0];
-        transfer.interpolate(&spaces[0].d, block, |row, d: Short| {
-            let x = row.wide().0;
-            let by: [f64; LANES] = std::array::from_fn(|l| relaxation * f64::from(d.0[l]) + mean[l]);
-            *row = R::narrow(Lanes(std::array::from_fn(|l| x[l] - by[l])));
-        });
+        transfer.interpolate(
+            &spaces[0].d,
+            block,
+            #[inline(always)]
+            |row, d: Short| {
+                let x = row.wide().0;
+                let by: [f64; LANES] = std::array::from_fn(|l| relaxation * f64::from(d.0[l]) + mean[l]);
+                *row = R::narrow(Lanes(std::array::from_fn(|l| x[l] - by[l])));
+            },
+        );
     }
 
     /// `A x - lambda x` of a block whose image is in the work space, on the first level and in its unit.
     fn restrict_residual(&self, block: &Block<R>, values: &[f64], space: &mut Workspace) {
         let (image, unit) = (&self.work.blocks()[0], self.unit);
-        self.cycle.hierarchy.transfers[0].restrict(&mut space.residual, |row| {
-            let (image, x) = (image[row].wide().0, block[row].wide().0);
-            std::array::from_fn(|l| ((image[l] - values[l] * x[l]) / unit) as f32)
-        });
+        self.cycle.hierarchy.transfers[0].restrict(
+            &mut space.residual,
+            #[inline(always)]
+            |row| {
+                let (image, x) = (image[row].wide().0, block[row].wide().0);
+                std::array::from_fn(|l| ((image[l] - values[l] * x[l]) / unit) as f32)
+            },
+        );
     }
 }

@@ -42,9 +42,11 @@ pub(super) fn rayleigh_ritz<R: Row>(
         enter(&mut energies, block, &x.gram(0..block + 1, work));
         if let Some(mass) = mass {
             let own = &x.blocks()[block];
-            rows(&mut work.blocks_mut()[0], |row, y| {
-                *y = R::narrow(Lanes(own[row].wide().0.map(|x| x * f64::from(mass[row]))))
-            });
+            rows(
+                &mut work.blocks_mut()[0],
+                #[inline(always)]
+                |row, y| *y = R::narrow(Lanes(own[row].wide().0.map(|x| x * f64::from(mass[row])))),
+            );
             enter(&mut products, block, &x.gram(0..block + 1, work));
         }
     }
@@ -83,8 +85,12 @@ fn take_out_mean<R: Row>(block: &mut Block<R>, mass: &[f32]) {
     let parts: Vec<[f64; LANES + 1]> = block.par_chunks(ROWS).enumerate().map(part).collect();
     let sums = parts.iter().fold([0.0; LANES + 1], |sums, part| std::array::from_fn(|l| sums[l] + part[l]));
     let mean: [f64; LANES] = std::array::from_fn(|l| sums[l] / sums[LANES]);
-    rows(block, |_, row| {
-        let x = row.wide().0;
-        *row = R::narrow(Lanes(std::array::from_fn(|l| x[l] - mean[l])));
-    });
+    rows(
+        block,
+        #[inline(always)]
+        |_, row| {
+            let x = row.wide().0;
+            *row = R::narrow(Lanes(std::array::from_fn(|l| x[l] - mean[l])));
+        },
+    );
 }

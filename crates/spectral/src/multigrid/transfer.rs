@@ -46,26 +46,34 @@ impl Interpolate for Lanes {
 impl Transfer {
     /// Adds up the rows of each aggregate: the transpose of the constant interpolation.
     pub fn restrict(&self, coarse: &mut [Short], value: impl Fn(usize) -> Columns + Sync) {
-        rows(coarse, |row, target| {
-            let mut sum = [0.0; LANES];
-            for &child in &self.children[self.starts[row] as usize..self.starts[row + 1] as usize] {
-                let value = value(child as usize);
-                (0..LANES).for_each(|l| sum[l] += value[l]);
-            }
-            *target = Short(sum);
-        });
+        rows(
+            coarse,
+            #[inline(always)]
+            |row, target| {
+                let mut sum = [0.0; LANES];
+                for &child in &self.children[self.starts[row] as usize..self.starts[row + 1] as usize] {
+                    let value = value(child as usize);
+                    (0..LANES).for_each(|l| sum[l] += value[l]);
+                }
+                *target = Short(sum);
+            },
+        );
     }
 
     /// The average of the rows of each aggregate of these masses, from their values times their masses.
     pub fn average(&self, coarse: &mut [Lanes], mass: &[f32], value: impl Fn(usize) -> [f64; LANES] + Sync) {
-        rows(coarse, |row, target| {
-            let mut sum = [0.0; LANES];
-            for &child in &self.children[self.starts[row] as usize..self.starts[row + 1] as usize] {
-                let value = value(child as usize);
-                (0..LANES).for_each(|l| sum[l] += value[l]);
-            }
-            *target = Lanes(sum.map(|sum| sum / f64::from(mass[row])));
-        });
+        rows(
+            coarse,
+            #[inline(always)]
+            |row, target| {
+                let mut sum = [0.0; LANES];
+                for &child in &self.children[self.starts[row] as usize..self.starts[row + 1] as usize] {
+                    let value = value(child as usize);
+                    (0..LANES).for_each(|l| sum[l] += value[l]);
+                }
+                *target = Lanes(sum.map(|sum| sum / f64::from(mass[row])));
+            },
+        );
     }
 
     /// Linear interpolation to each row, between the centre of its aggregate and that of the neighbour on the row's side, along each axis.
@@ -76,16 +84,20 @@ impl Transfer {
         fine: &mut [T],
         set: impl Fn(&mut T, R) + Sync,
     ) {
-        rows(fine, |row, target| {
-            let (own, weights) = (self.aggregate[row] as usize, self.weights[row]);
-            let beside = &self.beside[own];
-            let others = std::array::from_fn(|axis| {
-                &coarse[beside[2 * axis + usize::from(weights[axis] > 0)] as usize]
-            });
-            set(
-                target,
-                R::between(&coarse[own], others, weights.map(|weight| f32::from(weight.abs()) / 127.0)),
-            );
-        });
+        rows(
+            fine,
+            #[inline(always)]
+            |row, target| {
+                let (own, weights) = (self.aggregate[row] as usize, self.weights[row]);
+                let beside = &self.beside[own];
+                let others = std::array::from_fn(|axis| {
+                    &coarse[beside[2 * axis + usize::from(weights[axis] > 0)] as usize]
+                });
+                set(
+                    target,
+                    R::between(&coarse[own], others, weights.map(|weight| f32::from(weight.abs()) / 127.0)),
+                );
+            },
+        );
     }
 }
