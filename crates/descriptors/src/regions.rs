@@ -3,7 +3,7 @@ use std::borrow::Cow;
 
 use crate::{DescriptorError, Descriptors, spectral_sums};
 use mser3d_shape::Eigenbasis;
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 /// The descriptors of regions (eq. 11): the volume-weighted mean of the descriptors of their vertices,
@@ -128,22 +128,30 @@ impl<'r> Sum<'r> {
 /// Of a region without volume it is NaN.
 pub fn region_means<R: AsRef<[u32]> + Sync>(basis: &Eigenbasis, regions: &[R]) -> Vec<Vec<f64>> {
     let arch = Arch::new();
-    let mean = |region: &R| {
-        let modes = basis.eigenvalues().len();
+    let mean = |region: &R| arch.dispatch(RegionMeans { basis, region: region.as_ref() });
+    regions.par_iter().map(mean).collect()
+}
+
+/// The mean of each eigenfunction over a region, for the widest vectors.
+struct RegionMeans<'a> {
+    basis: &'a Eigenbasis,
+    region: &'a [u32],
+}
+
+impl WithSimd for RegionMeans<'_> {
+    type Output = Vec<f64>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Vec<f64> {
+        let modes = self.basis.eigenvalues().len();
         let (mut sums, mut total, mut scratch) = (vec![0.0; modes], 0.0, Vec::new());
-        arch.dispatch(
-            #[inline(always)]
-            || {
-                for &vertex in region.as_ref() {
-                    let m = basis.mass()[vertex as usize];
-                    total += m;
-                    let phi = basis.row(vertex as usize, 0..modes, &mut scratch);
-                    spectral_sums::add_multiple(&mut sums, m, phi);
-                }
-            },
-        );
+        for &vertex in self.region {
+            let m = self.basis.mass()[vertex as usize];
+            total += m;
+            let phi = self.basis.row(vertex as usize, 0..modes, &mut scratch);
+            spectral_sums::add_multiple(&mut sums, m, phi);
+        }
         sums.iter_mut().for_each(|sum| *sum /= total);
         sums
-    };
-    regions.par_iter().map(mean).collect()
+    }
 }

@@ -1,5 +1,6 @@
 //! Directions that an iteration leaves out: the known null vectors, and eigenvectors found before.
 
+use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 use crate::block_matrix::BlockMatrix;
@@ -94,27 +95,71 @@ impl NullSpace {
         if self.len() == 0 {
             return;
         }
+        let arch = pulp::Arch::new();
         for block in columns.blocks_mut() {
             let parts = (block.par_chunks(ROWS), self.labels.par_chunks(ROWS), self.entries.par_chunks(ROWS));
             let partial = |(rows, labels, entries): (&[Lanes], &[u32], &[f64])| {
-                let mut sums = vec![[0.0; LANES]; self.len()];
-                for ((lanes, &label), entry) in rows.iter().zip(labels).zip(entries) {
-                    (0..LANES).for_each(|l| sums[label as usize][l] += entry * lanes.0[l]);
-                }
-                sums
+                arch.dispatch(Overlaps { rows, labels, entries, count: self.len() })
             };
-            let partials: Vec<Vec<[f64; LANES]>> = parts.into_par_iter().map(partial).collect();
-            let mut sums = vec![[0.0; LANES]; self.len()];
+            let partials: Vec<Vec<Lanes>> = parts.into_par_iter().map(partial).collect();
+            let mut sums = vec![Lanes::ZERO; self.len()];
             for (sum, part) in partials.iter().flat_map(|part| part.iter().enumerate()) {
-                (0..LANES).for_each(|l| sums[sum][l] += part[l]);
+                (0..LANES).for_each(|l| sums[sum].0[l] += part.0[l]);
             }
             let parts =
                 (block.par_chunks_mut(ROWS), self.labels.par_chunks(ROWS), self.entries.par_chunks(ROWS));
             parts.into_par_iter().for_each(|(rows, labels, entries)| {
-                for ((lanes, &label), entry) in rows.iter_mut().zip(labels).zip(entries) {
-                    (0..LANES).for_each(|l| lanes.0[l] -= entry * sums[label as usize][l]);
-                }
+                arch.dispatch(TakeOut { rows, labels, entries, sums: &sums });
             });
+        }
+    }
+}
+
+/// The scalar products of some rows with each of the null vectors.
+struct Overlaps<'a> {
+    rows: &'a [Lanes],
+    labels: &'a [u32],
+    entries: &'a [f64],
+    count: usize,
+}
+
+impl WithSimd for Overlaps<'_> {
+    type Output = Vec<Lanes>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Vec<Lanes> {
+        let mut sums = vec![Lanes::ZERO; self.count];
+        let mut start = 0;
+        // Neighbouring rows mostly belong to one component, whose sums then stay in a register.
+        for labels in self.labels.chunk_by(|a, b| a == b) {
+            let rows = start..start + labels.len();
+            let mut sum = sums[labels[0] as usize].0;
+            for (row, entry) in self.rows[rows.clone()].iter().zip(&self.entries[rows.clone()]) {
+                sum = std::array::from_fn(|l| sum[l] + entry * row.0[l]);
+            }
+            sums[labels[0] as usize] = Lanes(sum);
+            start = rows.end;
+        }
+        sums
+    }
+}
+
+/// Takes so much of each null vector out of some rows.
+struct TakeOut<'a> {
+    rows: &'a mut [Lanes],
+    labels: &'a [u32],
+    entries: &'a [f64],
+    sums: &'a [Lanes],
+}
+
+impl WithSimd for TakeOut<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for ((row, &label), entry) in self.rows.iter_mut().zip(self.labels).zip(self.entries) {
+            let sum = self.sums[label as usize].0;
+            *row = Lanes(std::array::from_fn(|l| row.0[l] - entry * sum[l]));
         }
     }
 }
