@@ -40,6 +40,17 @@ impl Workspace {
         self.sum(|_, r| r)
     }
 
+    /// Takes these sums out of the residual's columns, by mass: what is left has no part along the constant.
+    pub fn take_out_of_residual(&mut self, sums: [f64; LANES], mass: &[f32]) {
+        let all: f64 = mass.iter().map(|&mass| f64::from(mass)).sum();
+        let mean: Columns = std::array::from_fn(|l| (sums[l] / all) as f32);
+        rows(
+            &mut self.residual,
+            #[inline(always)]
+            |row, r| *r = Short(std::array::from_fn(|l| r.0[l] - mass[row] * mean[l])),
+        );
+    }
+
     /// The sum over the rows of a term in the residual at a row.
     fn sum(&self, term: impl Fn(usize, f64) -> f64 + Sync) -> [f64; LANES] {
         let part = |(chunk, rows): (usize, &[Short])| {
