@@ -1,5 +1,7 @@
 //! How vectors go from a level to the next coarser one and back.
 
+use std::ops::AddAssign;
+
 use super::level::{Columns, rows};
 use crate::row::{LANES, Lanes, Short};
 
@@ -49,14 +51,7 @@ impl Transfer {
         rows(
             coarse,
             #[inline(always)]
-            |row, target| {
-                let mut sum = [0.0; LANES];
-                for &child in &self.children[self.starts[row] as usize..self.starts[row + 1] as usize] {
-                    let value = value(child as usize);
-                    (0..LANES).for_each(|l| sum[l] += value[l]);
-                }
-                *target = Short(sum);
-            },
+            |row, target| *target = Short(self.sum(row, &value)),
         );
     }
 
@@ -65,15 +60,23 @@ impl Transfer {
         rows(
             coarse,
             #[inline(always)]
-            |row, target| {
-                let mut sum = [0.0; LANES];
-                for &child in &self.children[self.starts[row] as usize..self.starts[row + 1] as usize] {
-                    let value = value(child as usize);
-                    (0..LANES).for_each(|l| sum[l] += value[l]);
-                }
-                *target = Lanes(sum.map(|sum| sum / f64::from(mass[row])));
-            },
+            |row, target| *target = Lanes(self.sum(row, &value).map(|sum| sum / f64::from(mass[row]))),
         );
+    }
+
+    /// The sum over the rows of an aggregate.
+    #[inline(always)]
+    fn sum<T: Copy + Default + AddAssign>(
+        &self,
+        aggregate: usize,
+        value: impl Fn(usize) -> [T; LANES],
+    ) -> [T; LANES] {
+        let mut sum = [T::default(); LANES];
+        for &child in &self.children[self.starts[aggregate] as usize..self.starts[aggregate + 1] as usize] {
+            let value = value(child as usize);
+            (0..LANES).for_each(|l| sum[l] += value[l]);
+        }
+        sum
     }
 
     /// Linear interpolation to each row, between the centre of its aggregate and that of the neighbour on the row's side, along each axis.
