@@ -36,6 +36,9 @@ const GUARD: f64 = 0.1;
 const GUARD_ON_LEVELS: f64 = 0.5;
 /// Shifts end at this share of the largest eigenvalue that is iterated.
 const BELOW: f64 = 0.8;
+/// Nearer to an eigenvalue of a level than this share they are not, if there is room elsewhere down to the second.
+const AWAY: f64 = 0.0075;
+const NEAR: f64 = 0.9;
 /// Rows of the coarsest level for each vector, at least: its waves must be a few rows long.
 const COARSEST_ROWS: usize = 60;
 /// Rows of the grid for each of the coarsest level, at most: as many are solved in a hundredth of the time.
@@ -124,8 +127,8 @@ pub(crate) fn multigrid_eigenpairs<R: Row>(
     }
     subspace.vectors.blocks_mut().truncate(columns(wanted, R::ROUGH_ROUNDING.is_some()) / LANES);
     let mut vectors: BlockMatrix<R> = subspace.carried_up(0, n);
-    let Subspace { cycle, mut spaces, .. } = subspace;
-    let mut finest = Finest::new(&stencil, cycle, grid);
+    let Subspace { cycle, mut spaces, known, .. } = subspace;
+    let mut finest = Finest::new(&stencil, cycle, grid, known);
     vectors.blocks_mut().iter_mut().for_each(|block| finest.smooth(block));
     let (mut first, mut last, mut corrections) = (None, f64::INFINITY, TOGETHER);
     let bound = stencil.bound();
@@ -207,6 +210,8 @@ struct Subspace<'a> {
     vectors: BlockMatrix,
     /// Eigenvalues in the unit of the levels.
     values: Vec<f64>,
+    /// Those of all coarser levels.
+    known: Vec<f64>,
 }
 
 impl<'a> Subspace<'a> {
@@ -233,7 +238,7 @@ impl<'a> Subspace<'a> {
         let values = found.eigenvalues()[1..].to_vec();
         let cycle = Cycle::new(hierarchy, &vectors, values.clone());
         let spaces = cycle.workspaces();
-        Ok(Self { cycle, spaces, wanted, vectors, values })
+        Ok(Self { cycle, spaces, wanted, vectors, known: values.clone(), values })
     }
 
     /// The vectors on the next finer level, of `rows` rows. Blocks are given back one by one.
@@ -275,6 +280,7 @@ impl<'a> Subspace<'a> {
         }
         let mass = Some(level.mass());
         self.values = rayleigh_ritz(&mut self.vectors, mass, &mut work, |x, y| level.apply(x, y))?;
+        self.known.extend(&self.values);
         Ok(())
     }
 }
@@ -283,6 +289,20 @@ impl<'a> Subspace<'a> {
 /// away, where a level's errors reach across the gap.
 fn largest_shift(values: &[f64], wanted: usize) -> f64 {
     values[wanted - 1].min(BELOW * values[values.len() - 1])
+}
+
+/// The largest shift, or a little less, away from known eigenvalues of the grid and of the levels, which show each a little higher. On a
+/// level with an eigenvalue next to the shift the equation is nearly singular: what the level's eigenvector has beside the
+/// grid's is multiplied with each correction.
+fn away_from(mut known: Vec<f64>, most: f64) -> f64 {
+    known.sort_by(|a, b| b.total_cmp(a));
+    let nearest = |shift: &f64| known.iter().map(|value| (value - shift).abs()).fold(f64::INFINITY, f64::min);
+    let between = known.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
+    let between = between.filter(|shift| (NEAR * most..most).contains(shift));
+    let all: Vec<f64> = std::iter::once(most).chain(between).collect();
+    let far = |shift: &&f64| nearest(shift) >= AWAY * most;
+    let farthest = || all.iter().max_by(|a, b| nearest(a).total_cmp(&nearest(b)));
+    all.iter().find(far).or_else(farthest).copied().unwrap_or(most)
 }
 
 /// Shifts for some eigenvalues, none above `most`.
@@ -300,6 +320,8 @@ struct Finest<'a, R> {
     unit: f64,
     /// The largest shift.
     most: f64,
+    /// The eigenvalues of all levels.
+    known: Vec<f64>,
     work: BlockMatrix<R>,
     /// Vectors that A was applied to.
     applications: usize,
@@ -309,7 +331,7 @@ struct Finest<'a, R> {
 type Tell<'a> = dyn Fn(f64) -> Result<(), SpectralError> + 'a;
 
 impl<'a, R: Row> Finest<'a, R> {
-    fn new(stencil: &'a SlicedStencil, cycle: Cycle<'a>, grid: &VoxelGrid) -> Self {
+    fn new(stencil: &'a SlicedStencil, cycle: Cycle<'a>, grid: &VoxelGrid, known: Vec<f64>) -> Self {
         let unit = grid.frame().spacing().iter().map(|h| 1.0 / (h * h)).fold(0.0, f64::max);
         // A wave of two voxels along an axis has four times its weight, one of four voxels half of that.
         let cutoff = ROUGH * 2.0 * cycle.hierarchy.weakest * unit;
@@ -322,6 +344,7 @@ impl<'a, R: Row> Finest<'a, R> {
             smoother,
             unit,
             most: f64::INFINITY,
+            known: known.into_iter().map(|value| unit * value).collect(),
             work,
             applications: 0,
         }
@@ -368,7 +391,8 @@ impl<'a, R: Row> Finest<'a, R> {
         }
         self.applications += 2 * count;
         // A vector that was led away has a larger value than before: it tells nothing of what is left out.
-        self.most = self.most.min(largest_shift(&values, wanted));
+        let known = [&values[..], &self.known].concat();
+        self.most = self.most.min(away_from(known, largest_shift(&values, wanted)));
         Ok((values, residuals))
     }
 
@@ -411,5 +435,21 @@ impl<'a, R: Row> Finest<'a, R> {
                 std::array::from_fn(|l| ((image[l] - values[l] * x[l]) / unit) as f32)
             },
         );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_largest_shift_is_away_from_what_levels_show() {
+        // Far enough already.
+        assert_eq!(away_from(vec![1.0, 2.0, 2.8, 3.1], 3.0), 3.0);
+        // Next to an eigenvalue of a level, 3.01; between it and 2.99 there is no room, but below that.
+        assert_eq!(away_from(vec![1.0, 2.75, 2.99, 3.01, 4.0], 3.0), 0.5 * (2.75 + 2.99));
+        // No room anywhere: the farthest.
+        let dense: Vec<f64> = (0..100).map(|i| 2.5 + 0.01 * f64::from(i)).filter(|x| *x != 2.85).collect();
+        assert!((away_from(dense, 3.0) - 2.85).abs() < 1e-12);
     }
 }
