@@ -5,7 +5,7 @@ use mser3d_shape::Domain;
 use mser3d_spectral::{Eigensolver, SINGLE_PRECISION, SpectrumParameters};
 
 use crate::reliability::{Original, coarser, occupied};
-use crate::weighing::KEPT_ELEMENTS;
+use crate::weighing::{KEPT_ELEMENTS, PAIRED_ELEMENTS};
 use crate::{Descriptor, Input, Parameters, Weight};
 
 /// What a run will take, roughly.
@@ -57,9 +57,10 @@ const BEGIN: f64 = 0.01;
 const MEMORY: f64 = 1.6e7;
 
 /// Bytes that an element takes beside the numbers of the spectrum and the weight; and one of a large shape, of which less is kept: while
-/// its spectrum is computed, and beside its eigenfunctions.
+/// its spectrum is computed, and beside its eigenfunctions, while two trees are made and one.
 const BESIDE: f64 = 200.0;
 const BESIDE_SOLVER: f64 = 20.0;
+const BESIDE_TWO_TREES: f64 = 170.0;
 const BESIDE_LARGE: f64 = 100.0;
 
 /// Bytes that a triangle takes while it is voxelized and its vertices look for their voxels, the mesh and its file included.
@@ -116,7 +117,8 @@ impl Parameters {
             // Nothing of the solver is left when regions are searched for.
             let solving = 8.0 * spectrum.numbers + BESIDE_SOLVER * elements;
             let basis = if spectrum.single { 4.0 } else { 8.0 } * elements * k;
-            solving.max(basis + BESIDE_LARGE * elements)
+            let beside = if n > PAIRED_ELEMENTS { BESIDE_LARGE } else { BESIDE_TWO_TREES };
+            solving.max(basis + beside * elements)
         } else {
             8.0 * spectrum.numbers + BESIDE * elements
         };

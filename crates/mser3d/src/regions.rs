@@ -7,7 +7,7 @@ use mser3d_shape::{Eigenbasis, IndexSet};
 use rayon::prelude::*;
 
 use crate::progress::{ProgressFn, Stage, report};
-use crate::weighing::{Weighing, stable_regions_in};
+use crate::weighing::{Weighing, in_turn, stable_regions_in};
 use crate::{DiscreteShape, Error, Field, Parameters, Positions, Weight};
 
 /// A stable region.
@@ -175,11 +175,11 @@ pub(crate) fn find_regions_with(
         };
         Ok((Tree { body: 0, time_scale, time, polarity, tree, selection }, regions, tips))
     };
-    let at_a_time = if weighing.keeps() { 1 } else { prepared.len() };
+    let in_turn = if weighing.keeps() { 1 } else { in_turn(shape.len(), prepared.len()) };
     let searched: Vec<(Tree, Option<TreeRegions>, Vec<u32>)> = prepared
         .into_par_iter()
         .enumerate()
-        .with_min_len(at_a_time)
+        .with_min_len(in_turn)
         .map(search)
         .collect::<Result<_, Error>>()?;
     let (mut trees, mut taken, mut tips) = (Vec::new(), Vec::new(), Vec::new());

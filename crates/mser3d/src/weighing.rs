@@ -22,6 +22,18 @@ const ROUNDING: f64 = 1e-9;
 /// one they would take more memory than all else.
 pub(crate) const KEPT_ELEMENTS: usize = 1 << 20;
 
+/// The most elements of a shape of which two trees are made beside each other: of more they would take more memory than all else.
+pub(crate) const PAIRED_ELEMENTS: usize = 1 << 25;
+
+/// How many of the trees of a shape are made one after the other.
+pub(crate) fn in_turn(elements: usize, trees: usize) -> usize {
+    match elements {
+        n if n <= KEPT_ELEMENTS => 1,
+        n if n <= PAIRED_ELEMENTS => trees.div_ceil(2),
+        _ => trees,
+    }
+}
+
 /// How a shape, or a body of it, is weighed.
 pub(crate) struct Weighing<'a> {
     shape: &'a DiscreteShape,

@@ -61,4 +61,9 @@ impl Weight {
     pub fn is_of_elements(self) -> bool {
         !matches!(self, Self::Edge | Self::Diffusion)
     }
+
+    /// Whether it can be one of links: a field too, where its values are vectors.
+    pub(crate) fn may_be_of_links(self) -> bool {
+        matches!(self, Self::Edge | Self::Diffusion | Self::Field)
+    }
 }

@@ -2,12 +2,12 @@
 
 use std::borrow::Cow;
 
-use mser3d_comptree::ComponentTree;
+use mser3d_comptree::{CommonAncestors, ComponentTree};
 use mser3d_shape::vector::{norm, sub};
 use mser3d_shape::{Connectivity, Faces, TriangleMesh, VoxelGrid};
 
 use crate::weighing::KEPT_ELEMENTS;
-use crate::{DiscreteShape, Elements, Error};
+use crate::{DiscreteShape, Elements, Error, Weight};
 
 /// The linked neighbours of each element, and the border that it shares with each: the area of a voxel's face, or on a
 /// surface the length of the border between the cells around two vertices.
@@ -112,6 +112,36 @@ impl Links {
         listed.chain(faces.into_iter().flat_map(across))
     }
 
+    /// Calls back with each element in turn, and each of those [around](Self::around) it.
+    #[inline(always)]
+    fn each(&self, mut found: impl FnMut(u32, u32, f64)) {
+        match self {
+            // Several times as fast as looking for each element.
+            Self::OfGrid(grid, areas) => {
+                for (from, faces) in (0..).zip(grid.faces(0..grid.len() as u32)) {
+                    faces.ascending().for_each(|(to, axis)| found(from, to, areas[axis]));
+                }
+            }
+            Self::Listed { .. } => {
+                for from in 0..self.len() as u32 {
+                    self.around(from).for_each(|(to, area)| found(from, to, area));
+                }
+            }
+        }
+    }
+
+    /// An area of which so many make up the largest border that as often as there are links they can still be counted.
+    fn tiny(&self) -> f64 {
+        let (links, largest) = match self {
+            Self::OfGrid(grid, areas) => (6 * grid.len(), areas.iter().copied().fold(0.0, f64::max)),
+            Self::Listed { to, borders: Borders::Alike(area), .. } => (to.len(), *area),
+            Self::Listed { to, borders: Borders::Each(areas), .. } => {
+                (to.len(), areas.iter().copied().fold(0.0, f64::max))
+            }
+        };
+        if largest > 0.0 { largest / (i64::MAX / 8 / links.max(1) as i64) as f64 } else { 1.0 }
+    }
+
     /// The same of some elements, ascending, numbered by their places among them.
     fn among(&self, elements: &[u32]) -> Self {
         let mut number = vec![u32::MAX; self.len()];
@@ -152,6 +182,12 @@ impl<'b> BodyLinks<'b> {
         Self { elements, links, mass }
     }
 
+    /// Calls back with each element in turn, and each of those around it.
+    #[inline(always)]
+    pub fn each(&self, found: impl FnMut(u32, u32, f64)) {
+        self.links.each(found);
+    }
+
     /// The neighbours of an element, and the border shared with each.
     #[inline]
     pub fn around(&self, element: u32) -> impl Iterator<Item = (u32, f64)> + '_ {
@@ -187,64 +223,57 @@ pub(super) struct Bordered {
 /// How far down a branch bulges are looked for, as a share of the volume.
 const TIP: f64 = 0.05;
 
+/// The area of the border of each node of a body's tree, from one look at the links: with its ends in two nodes, a link is a border of both
+/// and of all above them, up to the smallest that has both. In the tree of a
+/// weight of elements that is one of the two.
+///
+/// Areas are whole multiples of a tiny one, so that what cancels leaves nothing.
+pub(super) fn of_nodes(tree: &ComponentTree, body: &BodyLinks, weight: Weight) -> Vec<f64> {
+    let entry = tree.nodes_of_vertices();
+    let per_area = 1.0 / body.links.tiny();
+    // What each element adds to the border of the node in which it enters, and of all above.
+    let mut added = vec![0i64; entry.len()];
+    let mut borders = vec![0i64; tree.len()];
+    if !weight.may_be_of_links() {
+        body.each(|from, to, area| {
+            let (own, other) = (entry[from as usize], entry[to as usize]);
+            let area = (area * per_area + 0.5) as i64;
+            added[from as usize] += area * (i64::from(other > own) - i64::from(other < own));
+        });
+    } else {
+        let ancestors = CommonAncestors::new(tree);
+        body.each(|from, to, area| {
+            let area = (area * per_area + 0.5) as i64;
+            added[from as usize] += area;
+            let both = ancestors.of(entry[from as usize], entry[to as usize]);
+            both.into_iter().for_each(|both| borders[both as usize] -= area);
+        });
+    }
+    for node in 0..tree.len() as u32 {
+        let own: i64 = tree.own_vertices(node).iter().map(|&v| added[v as usize]).sum();
+        borders[node as usize] += own;
+        if let Some(parent) = tree.parent(node) {
+            borders[parent as usize] += borders[node as usize];
+        }
+    }
+    borders.into_iter().map(|border| border as f64 / per_area).collect()
+}
+
 /// The node down the branch from `top` that has the largest V^2 / A, for the volume V and the area A of its border, among those
 /// with at least the share `kept` of the volume of `top`.
 ///
 /// A tree's limb ends where it merges, and there it has often reached round into the body already. This takes the border back,
 /// as long as its area falls more than twice as fast as the volume, which it does not along a limb, even a tapering one.
-pub(super) fn narrowest(
-    tree: &ComponentTree,
-    elements: &[u32],
-    top: u32,
-    kept: f64,
-    links: &Links,
-    depth: &mut [u32],
-) -> Bordered {
+pub(super) fn narrowest(tree: &ComponentTree, borders: &[f64], top: u32, kept: f64) -> Bordered {
     let chain = down(tree, top, TIP * tree.volume(top));
-    // How many nodes of the chain each element is in: of those between a node and the next, as many as lead there.
-    let mut mark = |vertices: &[u32], place: usize| {
-        vertices.iter().for_each(|&v| depth[elements[v as usize] as usize] = place as u32);
-    };
-    for (place, &node) in chain.iter().enumerate() {
-        match chain.get(place + 1) {
-            Some(&next) => {
-                mark(tree.own_vertices(node), place + 1);
-                let aside = tree.children(node).filter(|&child| child != next);
-                aside.for_each(|child| mark(tree.vertices(child), place + 1));
-            }
-            None => mark(tree.vertices(node), place + 1),
-        }
-    }
-    let mut change = vec![0.0; chain.len() + 1];
-    for &v in tree.vertices(top) {
-        let from = elements[v as usize];
-        let own = depth[from as usize];
-        let mut less = change[own as usize];
-        links.around(from).for_each(|(to, area)| {
-            let other = depth[to as usize];
-            if own > other {
-                change[other as usize] += area;
-                less -= area;
-            }
-        });
-        change[own as usize] = less;
-    }
-    tree.vertices(top).iter().for_each(|&v| depth[elements[v as usize] as usize] = 0);
-    let mut borders = Vec::with_capacity(chain.len());
-    let mut border = 0.0;
-    for change in &change[..chain.len()] {
-        border += change;
-        borders.push(border.max(0.0));
-    }
-    let mut best = 0;
-    for (place, &node) in chain.iter().enumerate() {
-        let score = |place: usize, other: usize| tree.volume(chain[place]).powi(2) * borders[other];
-        if tree.volume(node) >= kept * tree.volume(top) && score(place, best) > score(best, place) {
-            best = place;
-        }
-    }
-    let bulge = borders[best..].iter().copied().fold(0.0, f64::max) / borders[best];
-    Bordered { node: chain[best], volume: tree.volume(chain[best]), border: borders[best], bulge }
+    let border = |node: u32| borders[node as usize];
+    let score = |node: u32, other: u32| tree.volume(node).powi(2) * border(other);
+    let large = chain.iter().take_while(|&&node| tree.volume(node) >= kept * tree.volume(top));
+    let better = |best: u32, node: u32| if score(node, best) > score(best, node) { node } else { best };
+    let best = large.fold(top, |best, &node| better(best, node));
+    let below = chain.iter().skip_while(|&&node| node != best);
+    let bulge = below.map(|&node| border(node)).fold(0.0, f64::max) / border(best);
+    Bordered { node: best, volume: tree.volume(best), border: border(best), bulge }
 }
 
 /// A node and those below it along the largest children, down to a volume.
@@ -260,7 +289,40 @@ pub(super) fn down(tree: &ComponentTree, top: u32, smallest: f64) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use mser3d_comptree::Polarity;
     use mser3d_shape::{BitGrid, Frame, SplitMix64};
+
+    #[test]
+    fn borders_of_nodes_are_those_that_are_counted() {
+        let (dims, mut random) = ([9, 8, 7], SplitMix64::new(5));
+        let frame = Frame::new(dims, [0.0; 3], [1.0, 1.5, 0.7]).unwrap();
+        let mut inside = BitGrid::empty(dims).unwrap();
+        let all = BitGrid::full(dims).unwrap();
+        all.ones().filter(|_| random.uniform() < 0.9).for_each(|voxel| inside.set(voxel, true));
+        let grid = VoxelGrid::solid(frame, inside).unwrap();
+        let edges: Vec<[u32; 2]> = grid.graph(Connectivity::Six).unwrap().edges().collect();
+        let heights: Vec<f64> = (0..grid.len()).map(|_| (20.0 * random.uniform()).floor()).collect();
+        let lengths: Vec<f64> = edges.iter().map(|_| (20.0 * random.uniform()).floor()).collect();
+        let trees = [
+            ComponentTree::from_vertex_weights(&edges, &heights, 1.0, Polarity::Sublevel).unwrap(),
+            ComponentTree::from_edge_weights(grid.len(), &edges, &lengths, 1.0, Polarity::Sublevel).unwrap(),
+        ];
+        let elements: Vec<u32> = (0..grid.len() as u32).collect();
+        let shape = DiscreteShape::solid(grid.clone(), Connectivity::Six);
+        let faces = [1.5 * 0.7, 0.7, 1.5];
+        for links in [Links::of(&shape).unwrap(), Links::OfGrid(grid, faces)] {
+            let body = BodyLinks::new(&elements, &links, &[]);
+            for (tree, weight) in trees.iter().zip([Weight::Heat, Weight::Edge]) {
+                for (node, border) in (0..).zip(of_nodes(tree, &body, weight)) {
+                    let mut own = vec![false; elements.len()];
+                    tree.vertices(node).iter().for_each(|&v| own[v as usize] = true);
+                    let out = tree.vertices(node).iter().flat_map(|&v| body.around(v));
+                    let counted: f64 = out.filter(|(to, _)| !own[*to as usize]).map(|(_, area)| area).sum();
+                    assert!((border - counted).abs() <= 1e-9 * counted, "{border} {counted}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn the_links_of_a_large_grid_are_those_that_are_listed() {

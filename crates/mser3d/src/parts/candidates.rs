@@ -12,9 +12,9 @@ use mser3d_shape::{Domain, Eigenbasis, IndexSet};
 use rayon::prelude::*;
 
 use super::PartParameters;
-use super::borders::{Bordered, Links, down, narrowest};
+use super::borders::{BodyLinks, Bordered, down, narrowest, of_nodes};
 use super::twins::{like_volume, twin_groups};
-use crate::weighing::KEPT_ELEMENTS;
+use crate::weighing::{KEPT_ELEMENTS, in_turn};
 use crate::{Error, Features};
 
 /// The share of a region that its part keeps at least when its border is moved to a narrow place.
@@ -123,18 +123,18 @@ impl Candidates {
     pub fn of(
         features: &Features,
         body: usize,
-        links: &Links,
+        links: &BodyLinks,
         mass: &[f64],
         parameters: &PartParameters,
     ) -> Result<Self, Error> {
         let own: Vec<usize> =
             (0..features.trees.len()).filter(|&tree| features.trees[tree].body == body).collect();
         let kept = own.iter().all(|&tree| features.trees[tree].tree.is_some());
-        let at_a_time = if kept { 1 } else { own.len() };
+        let in_turn = if kept { 1 } else { in_turn(features.shape.len(), own.len()) };
         let heat = Heat::new(&features.bodies[body].basis)?;
         let of_tree = |tree: usize| Self::of_tree(features, tree, &heat, links, mass, parameters);
         let found: Vec<Self> =
-            own.into_par_iter().with_min_len(at_a_time).map(of_tree).collect::<Result<_, Error>>()?;
+            own.into_par_iter().with_min_len(in_turn).map(of_tree).collect::<Result<_, Error>>()?;
         let mut all = Self { all: Vec::new(), groups: Vec::new() };
         for of_tree in found {
             let first = all.all.len();
@@ -149,7 +149,7 @@ impl Candidates {
         features: &Features,
         number: usize,
         heat: &Heat,
-        links: &Links,
+        links: &BodyLinks,
         mass: &[f64],
         parameters: &PartParameters,
     ) -> Result<Self, Error> {
@@ -158,10 +158,10 @@ impl Candidates {
         let searched = &features.bodies[body];
         let rule = stability(&features.parameters.stability, parameters);
         let tops = stable_regions(tree, &rule)?.regions;
-        let mut depth = vec![0; features.shape.len()];
+        let borders = of_nodes(tree, links, features.parameters.weight);
         let mut found: Vec<Narrowed> = Vec::new();
         for top in tops {
-            let place = narrowest(tree, &searched.elements, top.node, KEPT, links, &mut depth);
+            let place = narrowest(tree, &borders, top.node, KEPT);
             // Of several with one border, such as a limb and a chance union of it with a little more, the one that lasts.
             match found.iter_mut().find(|other| other.place.node == place.node) {
                 Some(other) if lifetime(&other.top) >= lifetime(&top) => {}
@@ -177,11 +177,11 @@ impl Candidates {
                 let place = &mut found[member].place;
                 let node = cut_off(tree, place.node, smallest);
                 if node != place.node {
-                    *place = narrowest(tree, &searched.elements, node, 1.0, links, &mut depth);
+                    *place = narrowest(tree, &borders, node, 1.0);
                 }
             }
         }
-        drop(depth);
+        drop(borders);
         let (domain, measure) = (searched.basis.domain(), searched.measure());
         let candidate = |Narrowed { top, place }: Narrowed| {
             let element = |&v: &u32| searched.elements[v as usize];

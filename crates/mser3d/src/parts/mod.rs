@@ -107,8 +107,8 @@ pub fn partition(
     let mut parts: Vec<Part> = Vec::new();
     for (number, body) in features.bodies.iter().enumerate() {
         let measure = body.measure();
-        let candidates = Candidates::of(features, number, &links, &mass, parameters)?;
         let own = BodyLinks::new(&body.elements, &links, body.basis.mass());
+        let candidates = Candidates::of(features, number, &own, &mass, parameters)?;
         let mut chosen = candidates.choose(&own, measure, &mass, parameters);
         let (labels, count) = (&mut chosen.labels, chosen.parts.len());
         let smallest = parameters.min_volume_fraction * measure;

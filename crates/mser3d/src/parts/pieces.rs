@@ -1,5 +1,7 @@
 //! Connected pieces of parts.
 
+use mser3d_shape::DisjointSets;
+
 use super::borders::BodyLinks;
 
 /// The connected pieces of the parts of a body.
@@ -12,26 +14,22 @@ pub(super) struct Pieces {
 
 impl Pieces {
     pub fn new(labels: &[u32], body: &BodyLinks) -> Self {
+        let mut sets = DisjointSets::new(labels.len());
+        body.each(|from, to, _| {
+            if to < from && labels[from as usize] == labels[to as usize] {
+                sets.union(from, to);
+            }
+        });
         let mut of_element = vec![u32::MAX; labels.len()];
-        let (mut pieces, mut stack) = (Vec::new(), Vec::new());
-        for seed in 0..labels.len() as u32 {
-            if of_element[seed as usize] != u32::MAX {
-                continue;
+        let mut pieces: Vec<(u32, f64)> = Vec::new();
+        for (v, &part) in (0..).zip(labels) {
+            let first = sets.find(v) as usize;
+            if of_element[first] == u32::MAX {
+                of_element[first] = pieces.len() as u32;
+                pieces.push((part, 0.0));
             }
-            let (number, part) = (pieces.len() as u32, labels[seed as usize]);
-            of_element[seed as usize] = number;
-            stack.push(seed);
-            let mut volume = 0.0;
-            while let Some(v) = stack.pop() {
-                volume += body.mass[v as usize];
-                for (to, _) in body.around(v) {
-                    if of_element[to as usize] == u32::MAX && labels[to as usize] == part {
-                        of_element[to as usize] = number;
-                        stack.push(to);
-                    }
-                }
-            }
-            pieces.push((part, volume));
+            of_element[v as usize] = of_element[first];
+            pieces[of_element[first] as usize].1 += body.mass[v as usize];
         }
         Self { of_element, pieces }
     }

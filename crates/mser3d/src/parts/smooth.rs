@@ -109,10 +109,10 @@ fn smooth(labels: &mut [u32], parts: usize, body: &BodyLinks, steps: usize) {
 
 /// The elements within some steps from a border, ascending: farther away nothing changes in as many steps.
 fn band(labels: &[u32], body: &BodyLinks, steps: usize) -> Vec<u32> {
-    let at_border = |&v: &u32| body.around(v).any(|(to, _)| labels[to as usize] != labels[v as usize]);
-    let mut band: Vec<u32> = (0..labels.len() as u32).filter(at_border).collect();
     let mut known = vec![false; labels.len()];
-    band.iter().for_each(|&v| known[v as usize] = true);
+    body.each(|from, to, _| known[from as usize] |= labels[from as usize] != labels[to as usize]);
+    let mut band: Vec<u32> =
+        (0u32..).zip(&known).filter_map(|(v, &at_border)| at_border.then_some(v)).collect();
     let mut from = 0;
     for _ in 0..steps {
         let to = band.len();
