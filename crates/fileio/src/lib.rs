@@ -48,7 +48,7 @@ pub use folder::{FolderLock, sync_folder, sync_names};
 pub use input::{InputFile, STDIN, take_stdin};
 pub use limits::{OverLimit, ReadLimits};
 pub use npy::{NpyArray, NpyValues, read_npy, write_npy};
-pub use npz::{NpzWriter, read_npz, write_npz, write_npz_by};
+pub use npz::{NpzReader, NpzWriter, read_npz, write_npz, write_npz_by};
 pub use unfinished::{Unfinished, Writing, abandon};
 
 #[cfg(doctest)]

@@ -1,9 +1,10 @@
+use crate::InputFile;
 use crate::error::{Fault, FileError};
-use crate::file::{read_bytes, write_atomically};
+use crate::file::write_atomically;
 use crate::npy::{self, NpyArray};
 use std::collections::BTreeMap;
-use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
-use std::path::Path;
+use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
 use zip::write::SimpleFileOptions;
 
 /// Writes named arrays as one file that `numpy.load` opens. The same arrays make the same bytes:
@@ -129,47 +130,133 @@ impl<W: Seek> Seek for Target<W> {
     }
 }
 
-/// Reads the arrays of a file written by [`write_npz`] or `numpy.savez` (uncompressed), by name.
+/// Reads the arrays of a file written by [`write_npz`] or `numpy.savez` (uncompressed), by name. To hold not all of them at
+/// once: [`NpzReader`].
 ///
 /// # Errors
 /// [`FileError::Read`], [`FileError::Invalid`], [`FileError::Unsupported`].
 pub fn read_npz(path: &Path) -> Result<BTreeMap<String, NpyArray<'static>>, FileError> {
-    let bytes = read_bytes(path)?;
-    parse(&bytes).map_err(|fault| fault.in_file(path))
+    let mut reader = NpzReader::open(path)?;
+    let names: Vec<String> = reader.names().map(str::to_owned).collect();
+    let mut arrays = BTreeMap::new();
+    for name in names {
+        arrays.extend(reader.read(&name)?.map(|array| (name, array)));
+    }
+    Ok(arrays)
 }
 
-fn parse(bytes: &[u8]) -> Result<BTreeMap<String, NpyArray<'static>>, Fault> {
-    let broken = |e: zip::result::ZipError| match e {
-        zip::result::ZipError::UnsupportedArchive(_) => {
-            Fault::unsupported("compressed arrays are not supported; save them with numpy.savez")
+/// An open file of arrays, each of which is read when it is asked for. Memory is twice the array's size while it is read.
+///
+/// ```
+/// use mser3d_fileio::{NpyArray, NpzReader, write_npz};
+/// # let folder = std::env::temp_dir().join(format!("mser3d-reader-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder)?;
+/// let path = folder.join("arrays.npz");
+/// write_npz(&path, &[("large", NpyArray::flat(vec![0.0; 100_000])), ("small", NpyArray::flat(vec![1u8, 2]))])?;
+/// let mut reader = NpzReader::open(&path)?;
+/// assert!(reader.names().eq(["large", "small"]));
+/// assert_eq!(reader.read("small")?, Some(NpyArray::flat(vec![1u8, 2])));
+/// assert_eq!(reader.read("third")?, None);
+/// # std::fs::remove_dir_all(&folder)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct NpzReader {
+    path: PathBuf,
+    archive: Archive<BufReader<InputFile>>,
+}
+
+impl NpzReader {
+    /// Reads what arrays there are.
+    ///
+    /// # Errors
+    /// [`FileError::Read`]; [`FileError::Invalid`] for a file that is no archive, or whose arrays share their bytes.
+    pub fn open(path: &Path) -> Result<Self, FileError> {
+        let file =
+            InputFile::open(path).map_err(|source| FileError::Read { path: path.to_owned(), source })?;
+        let archive = Archive::open(BufReader::new(file)).map_err(|fault| fault.in_file(path))?;
+        Ok(Self { path: path.to_owned(), archive })
+    }
+
+    /// The names of the arrays, ascending.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.archive.places.keys().map(String::as_str)
+    }
+
+    /// Reads an array; none of this name, `None`.
+    ///
+    /// # Errors
+    /// [`FileError::Invalid`]; [`FileError::Unsupported`] for a compressed array, one in Fortran order, and other types of numbers.
+    pub fn read(&mut self, name: &str) -> Result<Option<NpyArray<'static>>, FileError> {
+        self.archive.read(name).map_err(|fault| fault.in_file(&self.path))
+    }
+}
+
+/// Where arrays are in an archive.
+struct Archive<R> {
+    archive: zip::ZipArchive<R>,
+    places: BTreeMap<String, usize>,
+}
+
+impl<R: Read + Seek> Archive<R> {
+    fn open(mut file: R) -> Result<Self, Fault> {
+        let unread = |e: io::Error| Fault::invalid(format!("not a whole .npz file: {e}"));
+        let length = file.seek(SeekFrom::End(0)).map_err(unread)?;
+        let mut archive = zip::ZipArchive::new(file).map_err(broken)?;
+        let (mut places, mut stored) = (BTreeMap::new(), 0u64);
+        for place in 0..archive.len() {
+            let file = archive.by_index_raw(place).map_err(broken)?;
+            let name = file.name().map_err(broken)?.into_owned();
+            let name = name.strip_suffix(".npy").unwrap_or(&name).to_owned();
+            // Stored one after the other, so that all arrays together are no larger than the file.
+            stored = stored.saturating_add(file.compressed_size());
+            if stored > length {
+                return Err(Fault::invalid(format!(
+                    "array {name:?}: it shares its bytes with another array"
+                )));
+            }
+            places.insert(name, place);
         }
-        e => Fault::invalid(format!("not a whole .npz file: {e}")),
-    };
-    let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(broken)?;
-    let mut arrays = BTreeMap::new();
-    // Stored one after the other, so that all arrays together are no larger than the file.
-    let mut left = bytes.len() as u64;
-    for number in 0..archive.len() {
-        let mut file = archive.by_index(number).map_err(broken)?;
-        let name = file.name().map_err(broken)?.into_owned();
-        let name = name.strip_suffix(".npy").unwrap_or(&name).to_owned();
+        Ok(Self { archive, places })
+    }
+
+    fn read(&mut self, name: &str) -> Result<Option<NpyArray<'static>>, Fault> {
+        let Some(&place) = self.places.get(name) else { return Ok(None) };
         let in_array = |reason: String| Fault::invalid(format!("array {name:?}: {reason}"));
-        let mut data = Vec::new();
-        file.by_ref().take(left + 1).read_to_end(&mut data).map_err(|e| in_array(e.to_string()))?;
-        let rest = left.checked_sub(data.len() as u64);
-        left = rest.ok_or_else(|| in_array("it shares its bytes with another array".into()))?;
+        let mut file = self.archive.by_index(place).map_err(broken)?;
+        let size = file.compressed_size();
+        let mut data = Vec::with_capacity(size as usize);
+        // To the end of the array, where its checksum is looked at.
+        file.by_ref()
+            .take(size.saturating_add(1))
+            .read_to_end(&mut data)
+            .map_err(|e| in_array(e.to_string()))?;
         let stored = npy::parse(&data).map_err(|fault| in_array(fault.into_reason()))?;
         if stored.first_axis_fastest && stored.array.shape().len() > 1 {
             return Err(in_array("it is in Fortran order; save it through numpy.ascontiguousarray".into()));
         }
-        arrays.insert(name, stored.array);
+        Ok(Some(stored.array))
     }
-    Ok(arrays)
+}
+
+fn broken(error: zip::result::ZipError) -> Fault {
+    match error {
+        zip::result::ZipError::UnsupportedArchive(_) => {
+            Fault::unsupported("compressed arrays are not supported; save them with numpy.savez")
+        }
+        error => Fault::invalid(format!("not a whole .npz file: {error}")),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::io::Cursor;
+
+    fn parse(bytes: &[u8]) -> Result<Vec<NpyArray<'static>>, Fault> {
+        let mut archive = Archive::open(Cursor::new(bytes))?;
+        let names: Vec<String> = archive.places.keys().cloned().collect();
+        names.iter().filter_map(|name| archive.read(name).transpose()).collect()
+    }
 
     #[test]
     fn arrays_come_back_and_bytes_repeat() {

@@ -1,8 +1,7 @@
-use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use mser3d_fileio::{InputFile, NpyArray, NpyValues, read_npz};
+use mser3d_fileio::{InputFile, NpyValues, NpzReader};
 use mser3d_meshio::{ReadOptions, read_mesh};
 use mser3d_shape::{BitGrid, Domain, Frame, ShapeError, TriangleMesh, VoxelGrid};
 use serde::Deserialize;
@@ -56,7 +55,7 @@ impl Results {
         }
         // A solid that was given as voxels has no mesh.
         let surface = folder.join("surface.ply");
-        let has_mesh = grid.is_none() || surface.exists() || arrays.holds_vertices();
+        let has_mesh = grid.is_none() || surface.exists() || arrays.holds_vertices()?;
         let (mut mesh, mut region_vertices) = (TriangleMesh::new(Vec::new(), Vec::new())?, Vec::new());
         if has_mesh {
             sums.check_beside(folder, "surface.ply", Results::FILES.record)?;
@@ -78,7 +77,7 @@ impl Results {
                 voxel_part = arrays.labels("voxel_part", grid.len(), parts.len())?;
             }
         }
-        let file_vertex = match arrays.arrays.contains_key("file_vertex") {
+        let file_vertex = match arrays.has("file_vertex") {
             true => Some(arrays.indices("file_vertex", mesh.vertices().len())?),
             false => None,
         };
@@ -93,7 +92,7 @@ impl Results {
         let elements = grid.as_ref().map_or(mesh.vertices().len(), VoxelGrid::len);
         let mut trees = Vec::new();
         for number in 0..record.trees.len() {
-            if arrays.arrays.contains_key(&format!("tree{number}_parent")) {
+            if arrays.has(&format!("tree{number}_parent")) {
                 trees.push(arrays.tree(number, elements)?);
             }
         }
@@ -188,22 +187,27 @@ pub(crate) fn parse<T: for<'de> Deserialize<'de>>(
 /// The arrays of a file.
 pub(crate) struct Arrays {
     pub path: PathBuf,
-    pub arrays: BTreeMap<String, NpyArray<'static>>,
+    file: NpzReader,
 }
 
 impl Arrays {
     pub fn load(folder: &Path, name: &str) -> Result<Self, ResultsError> {
         let path = folder.join(name);
-        Ok(Self { arrays: read_npz(&path)?, path })
+        Ok(Self { file: NpzReader::open(&path)?, path })
     }
 
     pub fn broken(&self, reason: String) -> ResultsError {
         ResultsError::Broken { path: self.path.clone(), reason }
     }
 
+    /// Whether there is such an array.
+    fn has(&self, name: &str) -> bool {
+        self.file.names().any(|own| own == name)
+    }
+
     /// Whether there was a mesh when the arrays were written.
-    fn holds_vertices(&self) -> bool {
-        self.arrays.get("vertex_region").is_some_and(|array| !array.values().is_empty())
+    fn holds_vertices(&mut self) -> Result<bool, ResultsError> {
+        Ok(self.file.read("vertex_region")?.is_some_and(|array| !array.values().is_empty()))
     }
 
     pub fn take<T>(
@@ -211,8 +215,7 @@ impl Arrays {
         name: &str,
         convert: fn(NpyValues<'_>) -> Option<T>,
     ) -> Result<T, ResultsError> {
-        let array = self.arrays.remove(name);
-        let array = array.ok_or_else(|| self.broken(format!("there is no array {name}")))?;
+        let array = self.file.read(name)?.ok_or_else(|| self.broken(format!("there is no array {name}")))?;
         convert(array.into_values())
             .ok_or_else(|| self.broken(format!("array {name} holds values of another type")))
     }
