@@ -3,9 +3,11 @@
 
 mod all;
 pub mod peers;
+mod program;
 pub mod python;
 mod refine;
 pub mod resources;
+mod scale;
 mod spectrum;
 mod tree;
 mod voxelize;
@@ -25,6 +27,8 @@ enum Bench {
     All(all::Arguments),
     /// Eigenpairs: our two solvers, SciPy, LaPy and Spectra
     Spectrum(spectrum::Arguments),
+    /// The whole program at two numbers of voxels, and whether the finer run finds the coarser one's regions again
+    Scale(scale::Arguments),
     /// Component trees: Higra and SciPy
     Tree(tree::Arguments),
     /// Solids: Open3D, VTK, libigl and trimesh
@@ -36,6 +40,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     match &arguments.bench {
         Bench::All(arguments) => all::run(arguments),
         Bench::Spectrum(arguments) => spectrum::run(arguments),
+        Bench::Scale(arguments) => scale::run(arguments),
         Bench::Tree(arguments) => tree::run(arguments),
         Bench::Voxelize(arguments) => voxelize::run(arguments),
     }

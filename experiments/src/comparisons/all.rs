@@ -1,6 +1,6 @@
 //! `cargo xtask bench all`: every stage, and the whole program, beside the fastest of the others; one table.
 
-mod program;
+mod programs;
 mod report;
 
 use std::error::Error;
@@ -8,11 +8,13 @@ use std::path::{Path, PathBuf};
 
 use mser3d::spectral::Eigensolver;
 
-use program::{Program, body};
+use programs::cores;
 use report::Line;
 
+use super::program::{Program, body};
 use super::python::{Python, PythonArguments};
 use super::resources::{Usage, processor};
+use super::scale::Scale;
 use super::spectrum::{self, Case, Solver};
 use super::{tree, voxelize};
 
@@ -235,11 +237,26 @@ impl All {
         for name in BODIES {
             let case = ["detect".into(), format!("{name}, 45K voxels, k = 100")];
             self.lines.push(match body(name) {
-                Some(mesh) => program.detect(&mesh, &case, if self.quick { 3 } else { 7 })?,
+                Some(mesh) => programs::detect(&program, &mesh, &case, if self.quick { 3 } else { 7 })?,
                 None => Line::without(&case, "mser3d detect", "its mesh is not here".into()),
             });
         }
-        self.lines.push(program.batch(if self.quick { 40 } else { 200 })?);
+        self.lines.push(programs::batch(&program, if self.quick { 40 } else { 200 })?);
+        for name in if self.quick { &BODIES[..1] } else { &BODIES } {
+            let case = ["scale".into(), format!("{name}, 1M and 10M voxels, k = 30, residual 1e-4")];
+            let Some(mesh) = body(name) else {
+                self.lines.push(Line::without(&case, "mser3d detect", "its mesh is not here".into()));
+                continue;
+            };
+            let scale = Scale::measure(&program, &mesh, [1_000_000, 10_000_000], None)?;
+            let found = [String::new(), format!(", {}", scale.found())];
+            for (at, size) in ["1M", "10M"].into_iter().enumerate() {
+                let usage = &scale.usage[at];
+                let note =
+                    format!("{size} by {}, {:.0} MB{}", scale.solvers[at], usage.peak / 1e6, found[at]);
+                self.lines.push(Line::new(&case, "mser3d detect", Some(cores()), usage).with(note));
+            }
+        }
         Ok(())
     }
 }
