@@ -19,7 +19,7 @@ pub struct Arguments {
     #[arg(long, value_delimiter = ',', default_values_t = ["human".to_string(), "makehuman".to_string()])]
     bodies: Vec<String>,
     /// Voxels of the coarse run and of the fine one
-    #[arg(long, value_delimiter = ',', num_args = 2, default_values_t = [1_000_000, 10_000_000])]
+    #[arg(long, value_delimiter = ',', default_values_t = [1_000_000, 10_000_000])]
     voxels: Vec<usize>,
     /// The program's --memory-limit, MB
     #[arg(long)]
