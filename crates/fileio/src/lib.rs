@@ -4,7 +4,7 @@
 //! * [`Unfinished`] is a file or a folder that is being made; a program that is told to stop takes all of them away by
 //!   [`abandon`].
 //! * [`read_npy`] and [`write_npy`] read and write one array, [`read_npz`] and [`write_npz`] several with
-//!   names. The same arrays make the same bytes.
+//!   names; [`NpzReader`] and [`write_npz_by`] hold only one of them at a time. The same arrays make the same bytes.
 //! * [`ReadLimits`] bounds what every reader of ours may take, and says which files a file may name.
 //! * [`FolderLock`] keeps other processes out of a folder, and [`sync_folder`] waits until one is on the disk.
 //!
