@@ -2,10 +2,10 @@ use std::ops::ControlFlow;
 
 use mser3d_descriptors::TimeScale;
 use mser3d_shape::Domain;
-use mser3d_spectral::{Eigensolver, SINGLE_PRECISION, SpectrumParameters};
+use mser3d_spectral::{Eigensolver, SINGLE_PRECISION, SpectrumParameters, uses_multigrid};
 
 use crate::reliability::{Original, coarser, occupied};
-use crate::weighing::{KEPT_ELEMENTS, PAIRED_ELEMENTS};
+use crate::weighing::{KEPT_ELEMENTS, in_pairs};
 use crate::{Descriptor, Input, Parameters, Weight};
 
 /// What a run will take, roughly.
@@ -117,7 +117,7 @@ impl Parameters {
             // Nothing of the solver is left when regions are searched for.
             let solving = 8.0 * spectrum.numbers + BESIDE_SOLVER * elements;
             let basis = if spectrum.single { 4.0 } else { 8.0 } * elements * k;
-            let beside = if n > PAIRED_ELEMENTS { BESIDE_LARGE } else { BESIDE_TWO_TREES };
+            let beside = if in_pairs(n, self.weight) { BESIDE_TWO_TREES } else { BESIDE_LARGE };
             solving.max(basis + beside * elements)
         } else {
             8.0 * spectrum.numbers + BESIDE * elements
@@ -202,12 +202,7 @@ fn volume_spectrum(n: f64, k: f64, parameters: &SpectrumParameters) -> Work {
         return work;
     }
     let (solver, digits) = (parameters.solver, parameters.tolerance.ln().abs());
-    let multigrid = match solver {
-        Eigensolver::Auto => n >= 10.0 * k * digits.powi(3),
-        Eigensolver::Multigrid => n >= 480.0 * (1.5 * k + 8.0),
-        _ => false,
-    };
-    if multigrid {
+    if uses_multigrid(n as usize, k as usize, parameters) {
         // Corrections, and for every three all are made orthogonal.
         let (columns, corrections) = (1.1 * k + 8.0, 0.45 * digits);
         let seconds = n * columns * corrections * (17e-9 + 0.04e-9 * columns);

@@ -175,7 +175,7 @@ pub(crate) fn find_regions_with(
         };
         Ok((Tree { body: 0, time_scale, time, polarity, tree, selection }, regions, tips))
     };
-    let in_turn = if weighing.keeps() { 1 } else { in_turn(shape.len(), prepared.len()) };
+    let in_turn = in_turn(shape.len(), parameters.weight, prepared.len(), weighing.keeps());
     let searched: Vec<(Tree, Option<TreeRegions>, Vec<u32>)> = prepared
         .into_par_iter()
         .enumerate()

@@ -23,14 +23,19 @@ const ROUNDING: f64 = 1e-9;
 pub(crate) const KEPT_ELEMENTS: usize = 1 << 20;
 
 /// The most elements of a shape of which two trees are made beside each other: of more they would take more memory than all else.
-pub(crate) const PAIRED_ELEMENTS: usize = 1 << 25;
+const PAIRED_ELEMENTS: usize = 1 << 25;
 
-/// How many of the trees of a shape are made one after the other.
-pub(crate) fn in_turn(elements: usize, trees: usize) -> usize {
-    match elements {
-        n if n <= KEPT_ELEMENTS => 1,
-        n if n <= PAIRED_ELEMENTS => trees.div_ceil(2),
-        _ => trees,
+/// Whether two trees of a shape too large to keep them are made beside each other. Those over links take too much memory.
+pub(crate) fn in_pairs(elements: usize, weight: Weight) -> bool {
+    elements <= PAIRED_ELEMENTS && !weight.may_be_of_links()
+}
+
+/// How many of the trees of a shape are made one after the other; `kept` are those that are there, or will be.
+pub(crate) fn in_turn(elements: usize, weight: Weight, trees: usize, kept: bool) -> usize {
+    match (kept, in_pairs(elements, weight)) {
+        (true, _) => 1,
+        (false, true) => trees.div_ceil(2),
+        (false, false) => trees,
     }
 }
 

@@ -78,6 +78,7 @@ pub use count::count_below;
 pub use error::SpectralError;
 pub use mser3d_laplace as laplace;
 pub use mser3d_shape as shape;
+pub use multigrid::uses_multigrid;
 pub use parameters::{EigenpairRange, Eigensolver, SpectrumParameters};
 pub use report::{SolverUsed, Spectrum, SpectrumReport};
 pub use solve_grid::{SINGLE_PRECISION, smallest_eigenpairs_of_grid};

@@ -13,7 +13,7 @@ use crate::filter::{basis_columns, coarse_factor, filtered_eigenpairs};
 use crate::fronts::suits_inverse;
 use crate::lambda_max::all_below;
 use crate::limits::{check_memory, check_size};
-use crate::multigrid;
+use crate::multigrid::{self, uses_multigrid};
 use crate::multiplicity::may_hide_copies;
 use crate::progress::Heard;
 use crate::quality::{check_residuals, orthogonality};
@@ -112,9 +112,10 @@ fn connected_grid_eigenpairs(
         Eigensolver::Auto if coarse_factor(n, k).is_none() || suits_inverse(grid, k)? => {
             Eigensolver::ShiftInvert
         }
-        Eigensolver::Auto if multigrid::pays(n, k, parameters.tolerance) => Eigensolver::Multigrid,
-        Eigensolver::Auto => Eigensolver::Filter,
-        Eigensolver::Multigrid if !multigrid::has_levels(n, k) => Eigensolver::Filter,
+        Eigensolver::Auto | Eigensolver::Multigrid => match uses_multigrid(n, k, parameters) {
+            true => Eigensolver::Multigrid,
+            false => Eigensolver::Filter,
+        },
         chosen => chosen,
     };
     if solver == Eigensolver::Filter && basis_columns(k) + 2 * LANES >= n / 8 {

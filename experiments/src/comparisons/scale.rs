@@ -33,7 +33,7 @@ pub struct Arguments {
 const EIGENPAIRS: usize = 30;
 const TOLERANCE: f64 = 1e-4;
 /// Overlap from which on a region is found again.
-pub const FOUND: f64 = 0.9;
+const FOUND: f64 = 0.9;
 
 /// What two runs took, and what the second found again.
 pub struct Scale {

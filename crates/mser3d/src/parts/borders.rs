@@ -130,8 +130,8 @@ impl Links {
         }
     }
 
-    /// An area of which so many make up the largest border that as often as there are links they can still be counted.
-    fn tiny(&self) -> f64 {
+    /// How many parts to divide a unit of area into, so that as many of the largest border as there are links can be counted.
+    fn parts_of_area(&self) -> f64 {
         let (links, largest) = match self {
             Self::OfGrid(grid, areas) => (6 * grid.len(), areas.iter().copied().fold(0.0, f64::max)),
             Self::Listed { to, borders: Borders::Alike(area), .. } => (to.len(), *area),
@@ -139,7 +139,7 @@ impl Links {
                 (to.len(), areas.iter().copied().fold(0.0, f64::max))
             }
         };
-        if largest > 0.0 { largest / (i64::MAX / 8 / links.max(1) as i64) as f64 } else { 1.0 }
+        if largest > 0.0 { (i64::MAX / 8 / links.max(1) as i64) as f64 / largest } else { 1.0 }
     }
 
     /// The same of some elements, ascending, numbered by their places among them.
@@ -223,30 +223,28 @@ pub(super) struct Bordered {
 /// How far down a branch bulges are looked for, as a share of the volume.
 const TIP: f64 = 0.05;
 
-/// The area of the border of each node of a body's tree, from one look at the links: with its ends in two nodes, a link is a border of both
-/// and of all above them, up to the smallest that has both. In the tree of a
-/// weight of elements that is one of the two.
+/// The area of the border of each node of a body's tree, from one look at the links: with its ends in two nodes, a link is a border
+/// of both and of all above them, up to the smallest that has both. In the tree of a weight of elements that is one of the two.
 ///
-/// Areas are whole multiples of a tiny one, so that what cancels leaves nothing.
+/// Areas are summed as whole numbers of tiny parts, so that what cancels leaves nothing.
 pub(super) fn of_nodes(tree: &ComponentTree, body: &BodyLinks, weight: Weight) -> Vec<f64> {
     let entry = tree.nodes_of_vertices();
-    let per_area = 1.0 / body.links.tiny();
+    let parts_of_area = body.links.parts_of_area();
+    let parts = |area: f64| (area * parts_of_area).round_ties_even() as i64;
+    let mut borders = vec![0i64; tree.len()];
     // What each element adds to the border of the node in which it enters, and of all above.
     let mut added = vec![0i64; entry.len()];
-    let mut borders = vec![0i64; tree.len()];
-    if !weight.may_be_of_links() {
-        body.each(|from, to, area| {
-            let (own, other) = (entry[from as usize], entry[to as usize]);
-            let area = (area * per_area + 0.5) as i64;
-            added[from as usize] += area * (i64::from(other > own) - i64::from(other < own));
-        });
-    } else {
+    if weight.may_be_of_links() {
         let ancestors = CommonAncestors::new(tree);
         body.each(|from, to, area| {
-            let area = (area * per_area + 0.5) as i64;
-            added[from as usize] += area;
+            added[from as usize] += parts(area);
             let both = ancestors.of(entry[from as usize], entry[to as usize]);
-            both.into_iter().for_each(|both| borders[both as usize] -= area);
+            both.into_iter().for_each(|both| borders[both as usize] -= parts(area));
+        });
+    } else {
+        body.each(|from, to, area| {
+            let (own, other) = (entry[from as usize], entry[to as usize]);
+            added[from as usize] += parts(area) * (i64::from(other > own) - i64::from(other < own));
         });
     }
     for node in 0..tree.len() as u32 {
@@ -256,7 +254,7 @@ pub(super) fn of_nodes(tree: &ComponentTree, body: &BodyLinks, weight: Weight) -
             borders[parent as usize] += borders[node as usize];
         }
     }
-    borders.into_iter().map(|border| border as f64 / per_area).collect()
+    borders.into_iter().map(|border| border as f64 / parts_of_area).collect()
 }
 
 /// The node down the branch from `top` that has the largest V^2 / A, for the volume V and the area A of its border, among those

@@ -130,7 +130,7 @@ impl Candidates {
         let own: Vec<usize> =
             (0..features.trees.len()).filter(|&tree| features.trees[tree].body == body).collect();
         let kept = own.iter().all(|&tree| features.trees[tree].tree.is_some());
-        let in_turn = if kept { 1 } else { in_turn(features.shape.len(), own.len()) };
+        let in_turn = in_turn(features.shape.len(), features.parameters.weight, own.len(), kept);
         let heat = Heat::new(&features.bodies[body].basis)?;
         let of_tree = |tree: usize| Self::of_tree(features, tree, &heat, links, mass, parameters);
         let found: Vec<Self> =

@@ -83,14 +83,23 @@ fn with_guard(wanted: usize, guard: f64, more: usize) -> usize {
     (wanted + (guard * wanted as f64).ceil() as usize + more).next_multiple_of(LANES)
 }
 
-/// Whether there are coarser levels fine enough for these.
-pub(crate) fn has_levels(voxels: usize, wanted: usize) -> bool {
-    voxels >= 8 * COARSEST_ROWS * columns_on_levels(wanted)
-}
-
-/// Whether this is faster than the filter.
-pub(crate) fn pays(voxels: usize, wanted: usize, tolerance: f64) -> bool {
-    has_levels(voxels, wanted) && voxels as f64 >= PAYS * wanted as f64 * tolerance.ln().abs().powi(3)
+/// Whether these eigenpairs of a connected grid are computed by multigrid: where that is asked for and there are coarser levels fine enough,
+/// or by [`Eigensolver::Auto`] where it is faster than the filter. (Plates, which suit the inverse, `Auto` solves by that.)
+///
+/// ```
+/// use mser3d_spectral::{SpectrumParameters, uses_multigrid};
+/// let parameters = SpectrumParameters { tolerance: 1e-4, ..Default::default() };
+/// assert!(uses_multigrid(10_000_000, 30, &parameters));
+/// assert!(!uses_multigrid(45_000, 100, &parameters));
+/// ```
+pub fn uses_multigrid(voxels: usize, eigenpairs: usize, parameters: &SpectrumParameters) -> bool {
+    let has_levels = voxels >= 8 * COARSEST_ROWS * columns_on_levels(eigenpairs);
+    let pays = || voxels as f64 >= PAYS * eigenpairs as f64 * parameters.tolerance.ln().abs().powi(3);
+    match parameters.solver {
+        Eigensolver::Auto => has_levels && pays(),
+        Eigensolver::Multigrid => has_levels,
+        Eigensolver::Filter | Eigensolver::ShiftInvert => false,
+    }
 }
 
 /// The smallest non-zero eigenpairs of a connected grid, `pairs` in all. None of a shape whose coarser levels stay large, as of
