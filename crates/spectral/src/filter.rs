@@ -92,6 +92,7 @@ pub(crate) fn filtered_eigenpairs(
         overlap: 1e-8,
         max_restarts: parameters.max_iterations,
         null_space: &null_space,
+        seed: 0,
     };
     let mut cutoff = first_cutoff(grid, wanted)?.min(0.5 * stencil.bound());
     let (mut applications, mut restarts) = (0, 0);

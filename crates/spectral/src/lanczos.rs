@@ -41,6 +41,8 @@ pub(crate) struct Lanczos<'a> {
     pub max_restarts: usize,
     /// Directions that take no part.
     pub null_space: &'a NullSpace,
+    /// Of the random vectors that it starts from. What it missed once it misses again, unless it starts from others.
+    pub seed: u64,
 }
 
 /// Ritz pairs: those of the negative end from the largest down, then the others from the largest down.
@@ -63,7 +65,8 @@ impl Lanczos<'_> {
         mut progress: impl FnMut(f64) -> bool,
     ) -> Result<RitzPairs, SpectralError> {
         let block = self.block;
-        let mut basis = Basis::new(self.rows, block, self.capacity + block, self.overlap, self.null_space)?;
+        let mut basis =
+            Basis::new(self.rows, block, self.capacity + block, self.overlap, self.null_space, self.seed)?;
         let mut projected = Mat::<f64>::zeros(self.capacity + block, self.capacity + block);
         // Columns whose image is known; the basis has one block more.
         let mut filled = 0;

@@ -45,10 +45,10 @@ impl<'a> Basis<'a> {
         capacity: usize,
         most_overlap: f64,
         null_space: &'a NullSpace,
+        seed: u64,
     ) -> Result<Self, SpectralError> {
         let columns = BlockMatrix::from_blocks(rows, Vec::with_capacity(capacity / LANES));
-        // Not the start by which eigenvectors were found before: it has no part in those it missed.
-        let random = SplitMix64::new(0x6d73_6572_3364 + null_space.known_columns() as u64);
+        let random = SplitMix64::new(0x6d73_6572_3364 + seed);
         let mut basis =
             Self { columns, block, settled: 0, overlaps: [0.0; 2], most_overlap, null_space, random };
         let mut start = BlockMatrix::zeros(rows, block);

@@ -56,11 +56,6 @@ impl NullSpace {
         Self { known: Some(known.clone()), ..self.clone() }
     }
 
-    /// Columns of the eigenvectors that take no part.
-    pub fn known_columns(&self) -> usize {
-        self.known.as_ref().map_or(0, |known| known.blocks().len() * LANES)
-    }
-
     /// Dimension: the number of components whose rows sum to zero.
     pub fn len(&self) -> usize {
         self.constants.len()

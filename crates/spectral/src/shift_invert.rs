@@ -140,19 +140,22 @@ impl<'a> Inverse<'a> {
         let problem = self.problem;
         let within = |from: f64, to: f64| move |share: f64| progress(from + (to - from) * share);
         let first = within(FACTORED, ITERATED);
-        let found = self.iterate(&problem.null_space, task, self.below, f64::INFINITY, &first)?;
-        let (mut restarts, mut applications) = (found.restarts, found.applications);
+        let found = self.iterate(&problem.null_space, task, self.below, f64::INFINITY, 0, &first)?;
+        let (mut restarts, mut applications, mut searches) = (found.restarts, found.applications, 0);
         let below = found.values.iter().filter(|&&value| value < self.sigma).count();
-        let (values, vectors) = add_missed_copies(found.values, found.vectors, BLOCK, |known, last| {
+        let search = |known: &BlockMatrix, last: f64| {
             let rest = problem.len() - problem.null_space.len() - known.blocks().len() * LANES;
             let task = Task { wanted: BLOCK.min(rest), ..*task };
             let left = self.below.saturating_sub(below).min(task.wanted);
             let again = within(ITERATED, CHECKED);
-            let others = self.iterate(&problem.null_space.and(known), &task, left, last, &again)?;
+            searches += 1;
+            let others = self.iterate(&problem.null_space.and(known), &task, left, last, searches, &again)?;
             restarts += others.restarts;
             applications += others.applications;
             Ok((others.values, others.vectors))
-        })?;
+        };
+        let (values, vectors) =
+            add_missed_copies(found.values, found.vectors, BLOCK, task.tolerance, search)?;
         let mut pairs = Pairs { restarts, applications, ..Pairs::measured(problem, values, vectors) };
         if pairs.orthogonality > 1e-12 {
             self.separate(&mut pairs.vectors, &pairs.values);
@@ -175,13 +178,14 @@ impl<'a> Inverse<'a> {
     }
 
     /// The smallest eigenvalues and their vectors, `below` of them below the shift. Those that turn out to be
-    /// above `enough` may be inexact.
+    /// above `enough` may be inexact. Each search has a seed of its own.
     fn iterate(
         &self,
         null_space: &NullSpace,
         task: &Task,
         below: usize,
         enough: f64,
+        seed: u64,
         progress: &dyn Fn(f64) -> bool,
     ) -> Result<RitzPairs, SpectralError> {
         let Task { wanted, tolerance, max_restarts } = *task;
@@ -196,6 +200,7 @@ impl<'a> Inverse<'a> {
             overlap: OVERLAP,
             max_restarts,
             null_space,
+            seed,
         };
         // After the step of inverse iteration below, a residual r of the inverse means one of r / theta^2 of A.
         // Below the floor of 1e-14 rounding ends all progress; true residuals decide in the end.

@@ -147,7 +147,7 @@ fn connected_grid_eigenpairs(
         .map_err(|too_large| stopped.unwrap_or(too_large))?;
     let found = filtered_eigenpairs(grid, k, parameters, progress)?;
     // With the inverse, copies that a block cannot see are searched for; here they are not. Shapes with so many are rare.
-    if may_hide_copies(&found.values, LANES) {
+    if may_hide_copies(&found.values, LANES, parameters.tolerance) {
         return connected_eigenpairs(&grid_laplacian(grid), k, parameters, progress);
     }
     spectrum(grid, SolverUsed::Filter, found, parameters.tolerance)

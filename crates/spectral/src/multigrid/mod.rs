@@ -54,6 +54,8 @@ const DEGREE: usize = 12;
 /// What is rough begins at this share of the smallest eigenvalue that the first level cannot show: waves a little longer are shown by it,
 /// but poorly.
 const ROUGH: f64 = 0.3;
+/// Eigenvalues within this relative distance may be copies of one.
+const COPIES: f64 = 1e-6;
 /// What a correction leaves of the largest residual at most, or corrections lead away.
 const PROGRESS: f64 = 0.8;
 /// Then it goes on with this share of the largest shift, and after so many times it has come to a stop. Where levels have an eigenvalue
@@ -147,7 +149,9 @@ pub(crate) fn multigrid_eigenpairs<R: Row>(
         let (values, residuals) = finest.look(&mut vectors, wanted, &mut spaces, &tell)?;
         // Over what is asked for.
         let excess = |at: usize| residuals[at] / attainable::<R>(parameters.tolerance, bound, values[at]);
-        let worst = (0..wanted).map(excess).fold(0.0, f64::max);
+        // Rayleigh and Ritz mix copies of an eigenvalue, so the last one wanted is only as good as its copies beyond.
+        let copies = values.partition_point(|&value| value < values[wanted - 1] * (1.0 + COPIES));
+        let worst = (0..copies).map(excess).fold(0.0, f64::max);
         let (values_wanted, residuals_wanted) = (&values[..wanted], &residuals[..wanted]);
         match check_residuals::<R>(values_wanted, residuals_wanted, bound, parameters.tolerance, looks) {
             Ok(_) => {
