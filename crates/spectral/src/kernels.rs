@@ -124,7 +124,7 @@ fn add_combinations<R>(a: &[Lanes], mut next: &[R], coefficients: &[Square], tar
 }
 
 /// Blocks that share what is read of another one. With AVX-512 the sums of a pair fit in the registers, and reading takes no longer than
-/// computing.
+/// computing. Shorter registers hold those of one block; there a pair is taken one by one.
 const PAIR: usize = 2;
 
 struct Products<'a, R, const N: usize> {
@@ -138,7 +138,21 @@ impl<R, const N: usize> WithSimd for Products<'_, R, N> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(mut self, simd: S) {
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { a, next, b, sums } = self;
+        if S::F64_LANES == LANES {
+            return Products { a, next, b, sums }.add(simd);
+        }
+        for (at, (b, sum)) in b.into_iter().zip(sums).enumerate() {
+            let next = if at == 0 { next } else { &[] };
+            Products { a, next, b: [b], sums: [sum] }.add(simd);
+        }
+    }
+}
+
+impl<R, const N: usize> Products<'_, R, N> {
+    #[inline(always)]
+    fn add<S: Simd>(mut self, simd: S) {
         let rows = self.b.iter().map(|b| b.len()).fold(self.a.len(), usize::min);
         let (a, b) = (&self.a[..rows], self.b.map(|b| &b[..rows]));
         for part in 0..LANES / S::F64_LANES {
@@ -178,6 +192,20 @@ impl<R, const N: usize> WithSimd for Combinations<'_, R, N> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
+        let Self { a, next, coefficients, targets } = self;
+        if S::F64_LANES == LANES {
+            return Combinations { a, next, coefficients, targets }.add(simd);
+        }
+        for (at, (square, target)) in coefficients.into_iter().zip(targets).enumerate() {
+            let next = if at == 0 { next } else { &[] };
+            Combinations { a, next, coefficients: [square], targets: [target] }.add(simd);
+        }
+    }
+}
+
+impl<R, const N: usize> Combinations<'_, R, N> {
+    #[inline(always)]
+    fn add<S: Simd>(self, simd: S) {
         let rows = self.targets.iter().map(|target| target.len()).fold(self.a.len(), usize::min);
         let a = &self.a[..rows];
         let mut targets = self.targets.map(|target| &mut target[..rows]);

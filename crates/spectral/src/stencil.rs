@@ -136,29 +136,29 @@ impl SlicedStencil {
         runs: Range<usize>,
         base: usize,
     ) {
-        // A row is one vector with AVX-512, two with AVX2, eight numbers without SIMD.
-        for part in 0..LANES / S::F64_LANES {
-            let update = Update::new(simd, step, self.weights, part);
-            for run in &self.runs[runs.clone()] {
-                let len = run.len as usize;
-                let rows = |first: u32| first as usize - base..first as usize - base + len;
-                let (centres, targets) = (&x[rows(run.start)], &mut y[rows(run.start)]);
-                let [a, b, c, d] = run.across.map(|first| &x[rows(first)]);
-                let [first, last] = run.ends.map(|row| update.load(&x[row as usize - base]));
-                let (mut before, mut centre) = (first, update.load(&centres[0]));
-                for i in 0..len - 1 {
-                    let after = update.load(&centres[i + 1]);
-                    update.row([before, centre, after], [&a[i], &b[i], &c[i], &d[i]], &mut targets[i]);
-                    (before, centre) = (centre, after);
-                }
-                let i = len - 1;
-                update.row([before, centre, last], [&a[i], &b[i], &c[i], &d[i]], &mut targets[i]);
+        let update = Update::new(simd, step, self.weights);
+        for run in &self.runs[runs] {
+            let len = run.len as usize;
+            let rows = |first: u32| first as usize - base..first as usize - base + len;
+            let (centres, targets) = (&x[rows(run.start)], &mut y[rows(run.start)]);
+            let [a, b, c, d] = run.across.map(|first| &x[rows(first)]);
+            let [first, last] = run.ends.map(|row| update.load(&x[row as usize - base]));
+            let (mut before, mut centre) = (first, update.load(&centres[0]));
+            for i in 0..len - 1 {
+                let after = update.load(&centres[i + 1]);
+                update.row([before, centre, after], [&a[i], &b[i], &c[i], &d[i]], &mut targets[i]);
+                (before, centre) = (centre, after);
             }
+            let i = len - 1;
+            update.row([before, centre, last], [&a[i], &b[i], &c[i], &d[i]], &mut targets[i]);
         }
     }
 }
 
-/// A step as vectors, for a part of each row.
+/// A row as vectors: one with AVX-512, two with AVX2, eight numbers without SIMD; the others are not used.
+type Vectors<S> = [<S as Simd>::f64s; LANES];
+
+/// A step as vectors.
 struct Update<S: Simd> {
     simd: S,
     along: S::f64s,
@@ -166,32 +166,38 @@ struct Update<S: Simd> {
     across: S::f64s,
     diagonal: S::f64s,
     previous: S::f64s,
-    part: usize,
 }
 
 impl<S: Simd> Update<S> {
     #[inline(always)]
-    fn new(simd: S, step: Step, weights: [f64; 3], part: usize) -> Self {
+    fn new(simd: S, step: Step, weights: [f64; 3]) -> Self {
         let [along, slices, across] = weights.map(|w| simd.splat_f64s(-step.a * w));
         let diagonal = simd.splat_f64s(step.x + 2.0 * step.a * weights.iter().sum::<f64>());
-        Self { simd, along, slices, across, diagonal, previous: simd.splat_f64s(step.previous), part }
+        Self { simd, along, slices, across, diagonal, previous: simd.splat_f64s(step.previous) }
     }
 
     #[inline(always)]
-    fn load<R: Row>(&self, row: &R) -> S::f64s {
-        S::as_simd_f64s(&row.wide().0).0[self.part]
+    fn load<R: Row>(&self, row: &R) -> Vectors<S> {
+        let row = row.wide();
+        let vectors = S::as_simd_f64s(&row.0).0;
+        std::array::from_fn(|part| if part < LANES / S::F64_LANES { vectors[part] } else { self.diagonal })
     }
 
     /// At a row with its neighbours along the line, and across it.
     #[inline(always)]
-    fn row<R: Row>(&self, [before, centre, after]: [S::f64s; 3], [a, b, c, d]: [&R; 4], target: &mut R) {
+    fn row<R: Row>(&self, along: [Vectors<S>; 3], across: [&R; 4], target: &mut R) {
         let Self { simd, .. } = *self;
-        let sum = simd.mul_add_f64s(self.previous, self.load(target), simd.mul_f64s(self.diagonal, centre));
-        let sum = simd.mul_add_f64s(self.along, simd.add_f64s(before, after), sum);
-        let other = simd.mul_f64s(self.slices, simd.add_f64s(self.load(a), self.load(b)));
-        let other = simd.mul_add_f64s(self.across, simd.add_f64s(self.load(c), self.load(d)), other);
+        let [before, centre, after] = along;
+        let [a, b, c, d] = across.map(|row| self.load(row));
+        let old = self.load(target);
         let mut row = target.wide();
-        S::as_mut_simd_f64s(&mut row.0).0[self.part] = simd.add_f64s(sum, other);
+        for (part, new) in S::as_mut_simd_f64s(&mut row.0).0.iter_mut().enumerate() {
+            let sum = simd.mul_add_f64s(self.previous, old[part], simd.mul_f64s(self.diagonal, centre[part]));
+            let sum = simd.mul_add_f64s(self.along, simd.add_f64s(before[part], after[part]), sum);
+            let other = simd.mul_f64s(self.slices, simd.add_f64s(a[part], b[part]));
+            let other = simd.mul_add_f64s(self.across, simd.add_f64s(c[part], d[part]), other);
+            *new = simd.add_f64s(sum, other);
+        }
         *target = R::narrow(row);
     }
 }
