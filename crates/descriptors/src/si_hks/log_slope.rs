@@ -85,7 +85,12 @@ impl WithSimd for Block<'_> {
             let first = number * LANES;
             let width = LANES.min(self.table.samples - first);
             for (group, squares) in self.squares.chunks_exact(self.modes).enumerate() {
-                let slopes = tile_slopes(simd, tile, squares);
+                let slopes = match S::F64_LANES {
+                    8 => tile_slopes::<S, 1>(simd, tile, squares),
+                    4 => tile_slopes::<S, 2>(simd, tile, squares),
+                    2 => tile_slopes::<S, 4>(simd, tile, squares),
+                    _ => tile_slopes::<S, 8>(simd, tile, squares),
+                };
                 let rows = self.rows.chunks_exact_mut(self.table.samples).skip(group * VERTICES);
                 for (row, slopes) in rows.zip(&slopes) {
                     row[first..first + width].copy_from_slice(&slopes[..width]);
@@ -95,34 +100,39 @@ impl WithSimd for Block<'_> {
     }
 }
 
-/// One tile, as many samples at a time as a register holds. Each lane adds the modes in ascending order, multiplication and
+/// One tile: R registers make up its samples. Each lane adds the modes in ascending order, multiplication and
 /// addition rounded apart, so that all machines get the same bits.
 #[inline(always)]
-fn tile_slopes<S: Simd>(
+fn tile_slopes<S: Simd, const R: usize>(
     simd: S,
     modes: &[[[f64; LANES]; 2]],
     squares: &[[f64; VERTICES]],
 ) -> [[f64; LANES]; VERTICES] {
+    let registers = |values: &[f64; LANES]| -> [S::f64s; R] {
+        let (vectors, _) = S::as_simd_f64s(values);
+        std::array::from_fn(|r| vectors[r])
+    };
     let zero = simd.splat_f64s(0.0);
-    let mut slopes = [[0.0; LANES]; VERTICES];
-    for part in 0..LANES / S::F64_LANES {
-        // Sums for more samples would not fit in the registers.
-        let (mut heat, mut loss) = ([zero; VERTICES], [zero; VERTICES]);
-        for (tables, square) in modes.iter().zip(squares) {
-            let [decay, rate] = tables.each_ref().map(|values| S::as_simd_f64s(values).0[part]);
-            for v in 0..VERTICES {
-                let square = simd.splat_f64s(square[v]);
-                heat[v] = simd.add_f64s(heat[v], simd.mul_f64s(square, decay));
-                loss[v] = simd.add_f64s(loss[v], simd.mul_f64s(square, rate));
+    let mut heat = [[zero; R]; VERTICES];
+    let mut loss = [[zero; R]; VERTICES];
+    for ([decay, rate], square) in modes.iter().zip(squares) {
+        let (decay, rate) = (registers(decay), registers(rate));
+        for v in 0..VERTICES {
+            let square = simd.splat_f64s(square[v]);
+            for r in 0..R {
+                heat[v][r] = simd.add_f64s(heat[v][r], simd.mul_f64s(square, decay[r]));
+                loss[v][r] = simd.add_f64s(loss[v][r], simd.mul_f64s(square, rate[r]));
             }
         }
-        for v in 0..VERTICES {
-            S::as_mut_simd_f64s(&mut slopes[v]).0[part] = simd.div_f64s(loss[v], heat[v]);
-        }
     }
-    for slope in slopes.iter_mut().flatten() {
+    let mut slopes = [[0.0; LANES]; VERTICES];
+    for v in 0..VERTICES {
+        let (vectors, _) = S::as_mut_simd_f64s(&mut slopes[v]);
+        for r in 0..R {
+            vectors[r] = simd.div_f64s(loss[v][r], heat[v][r]);
+        }
         // No heat at all: 0/0, which is defined as no slope.
-        *slope = if slope.is_nan() { 0.0 } else { -*slope };
+        slopes[v] = slopes[v].map(|x| if x.is_nan() { 0.0 } else { -x });
     }
     slopes
 }
