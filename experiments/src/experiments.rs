@@ -7,4 +7,5 @@ pub mod reliability;
 pub mod selection;
 pub mod shrec11;
 pub mod sides;
+pub mod tolerance;
 pub mod tracks;

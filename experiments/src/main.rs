@@ -14,7 +14,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 use comparisons::peers;
-use experiments::{figures, maps, poses, reliability, selection, shrec11, sides, tracks};
+use experiments::{figures, maps, poses, reliability, selection, shrec11, sides, tolerance, tracks};
 
 /// The project's measurements.
 #[derive(Parser)]
@@ -44,6 +44,8 @@ enum Command {
     Shrec11(shrec11::Arguments),
     /// Compare matches with the right side of the body
     Sides(sides::Arguments),
+    /// Compare the regions of exact and of less exact eigenpairs
+    Tolerance(tolerance::Arguments),
     /// Follow regions through animations, and compare with the truth
     Tracks(tracks::Arguments),
 }
@@ -59,6 +61,7 @@ fn main() -> ExitCode {
         Command::Reliability(arguments) => reliability::run(&arguments),
         Command::Shrec11(arguments) => shrec11::run(&arguments),
         Command::Sides(arguments) => sides::run(&arguments),
+        Command::Tolerance(arguments) => tolerance::run(&arguments),
         Command::Tracks(arguments) => tracks::run(&arguments),
     };
     match result {

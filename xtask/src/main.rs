@@ -67,6 +67,8 @@ enum Command {
     Shrec11(delegate::Arguments),
     /// Experiments: compare matches with the right side of the body
     Sides(delegate::Arguments),
+    /// Experiments: compare the regions of exact and of less exact eigenpairs: docs/results/tolerance.md
+    Tolerance(delegate::Arguments),
     /// Follow regions through animations, and compare with the truth: docs/results/tracks.md
     Tracks(delegate::Arguments),
 }
@@ -99,6 +101,7 @@ fn run(command: Command) -> Result<ExitCode, Box<dyn Error>> {
         Command::Selection(arguments) => return delegate::run("selection", &arguments),
         Command::Shrec11(arguments) => return delegate::run("shrec11", &arguments),
         Command::Sides(arguments) => return delegate::run("sides", &arguments),
+        Command::Tolerance(arguments) => return delegate::run("tolerance", &arguments),
         Command::Tracks(arguments) => return delegate::run("tracks", &arguments),
     }
     Ok(ExitCode::SUCCESS)

@@ -68,7 +68,7 @@ impl BatchArgs {
     /// reading the shape of reference.
     pub fn plan(&self) -> Result<(Plan, Parameters), CliError> {
         self.options.refuse_field()?;
-        let mut parameters = self.options.parameters()?;
+        let mut parameters = self.options.parameters(&self.many.write)?;
         let frames = self.animation.clone().zip(self.fps);
         let planned = PlanParameters {
             frames: frames.map(|(animation, rate)| Frames { animation, rate }),

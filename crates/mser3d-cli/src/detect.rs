@@ -51,7 +51,7 @@ impl DetectArgs {
     /// # Errors
     /// [`CliError::Usage`] for values out of range.
     pub fn parameters(&self) -> Result<Parameters, CliError> {
-        self.options.parameters()
+        self.options.parameters(&self.write)
     }
 
     /// How the shape is read.

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 use std::str::FromStr;
-use std::sync::LazyLock;
 
 use mser3d::comptree::{AltitudeScale, Polarity, PoolParameters, StabilityParameters, StabilityRule};
 use mser3d::descriptors::TimeScale;
@@ -11,7 +10,7 @@ use mser3d::spectral::{EigenpairRange, Eigensolver, SpectrumParameters};
 use mser3d::{Bodies, DescriptorKind, Parameters, PartCount, PartParameters, ReliabilityParameters};
 use mser3d_collection::SpectrumCache;
 use mser3d_meshio::ReadOptions;
-use mser3d_results::{FieldFile, ShapeFile, ShapeOptions};
+use mser3d_results::{Extra, FieldFile, ShapeFile, ShapeOptions};
 
 use crate::choice::choice;
 use crate::error::CliError;
@@ -74,9 +73,10 @@ pub struct RegionOptions {
     /// All eigenpairs with lambda V^(2/3) below this (lambda A with --surface): the same scales on any shape
     #[arg(long, value_name = "X", conflicts_with = "eigenpairs", help_heading = "Spectrum")]
     pub lambda_max: Option<f64>,
-    /// Largest relative residual of an eigenpair
-    #[arg(long, value_name = "R", default_value = tolerance(), help_heading = "Spectrum")]
-    pub tolerance: f64,
+    /// Largest relative residual of an eigenpair; below 1e-4 regions stay the same
+    /// [default: 1e-4; 1e-9 where --write asks for eigenfunctions, signatures or fields]
+    #[arg(long, value_name = "R", help_heading = "Spectrum")]
+    pub tolerance: Option<f64>,
     /// How eigenpairs are found
     #[arg(long, value_parser = choice::<Eigensolver>(), default_value_t = Eigensolver::default(),
           help_heading = "Spectrum")]
@@ -157,9 +157,13 @@ impl RegionOptions {
         if self.surface { Domain::Surface } else { Domain::Volume }
     }
 
-    /// The library's parameters; values out of range are wrong use.
-    pub fn parameters(&self) -> Result<Parameters, CliError> {
-        let defaults = SpectrumParameters::default();
+    /// The library's parameters, where so much is written besides; values out of range are wrong use.
+    pub fn parameters(&self, extras: &[Extra]) -> Result<Parameters, CliError> {
+        // Regions need less than those who ask for eigenpairs.
+        let defaults = match extras.iter().any(|extra| extra.needs_eigenfunctions()) {
+            true => SpectrumParameters::default(),
+            false => Parameters::default().spectrum,
+        };
         let parameters = Parameters {
             bodies: self.bodies,
             voxelize: self.voxels.parameters(&self.limits)?,
@@ -169,7 +173,7 @@ impl RegionOptions {
                     (None, Some(bound)) => EigenpairRange::LambdaMax(bound),
                     (None, None) => defaults.eigenpairs,
                 },
-                tolerance: self.tolerance,
+                tolerance: self.tolerance.unwrap_or(defaults.tolerance),
                 solver: self.solver,
                 memory_limit: self.limits.memory(),
                 ..defaults
@@ -260,11 +264,4 @@ fn relative_times() -> Vec<f64> {
         TimeScale::Absolute(_) => None,
     };
     Parameters::default().time_scales.into_iter().filter_map(relative).collect()
-}
-
-/// The default tolerance as people write it.
-fn tolerance() -> &'static str {
-    static TEXT: LazyLock<String> =
-        LazyLock::new(|| format!("{:e}", SpectrumParameters::default().tolerance));
-    &TEXT
 }

@@ -112,7 +112,7 @@ impl TrackArgs {
         if self.volume.all_labels() {
             return Err(CliError::Usage("--label all: a frame is one shape; choose a label".into()));
         }
-        let parameters = self.options.parameters()?;
+        let parameters = self.options.parameters(&self.many.write)?;
         let tracking = TrackParameters {
             min_overlap: self.min_overlap,
             min_likeness: self.min_likeness,

@@ -87,7 +87,8 @@ pub struct Parameters {
     pub bodies: Bodies,
     /// From the mesh to voxels (volumes only). Its connectivity is also the tree's.
     pub voxelize: VoxelizeParameters,
-    /// The eigenpairs. Default: 100, or as many as a small shape has.
+    /// The eigenpairs. Default: 100, or as many as a small shape has, with a tolerance of 1e-4. More exact ones, as are the
+    /// default of [`SpectrumParameters`], give the same regions: `cargo xtask tolerance`.
     pub spectrum: SpectrumParameters,
     /// What the tree is built on. Default: [`Weight::Heat`].
     pub weight: Weight,
@@ -125,7 +126,7 @@ impl Default for Parameters {
         Self {
             bodies: Bodies::default(),
             voxelize: VoxelizeParameters::default(),
-            spectrum: SpectrumParameters::default(),
+            spectrum: SpectrumParameters { tolerance: 1e-4, ..SpectrumParameters::default() },
             weight: Weight::default(),
             smooth_weight: None,
             polarity: None,

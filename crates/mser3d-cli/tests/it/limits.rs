@@ -123,7 +123,7 @@ fn memory_stays_below_its_limit() {
         ("detect @data.nii -o @o --label liver --labels @labels.csv", 100, false),
         ("detect @data.nii -o @o --affine @affine.txt", 100, false),
         ("detect @human.off -o @o", 60, false),
-        ("detect @human.off -o @o --voxels 400000 --eigenpairs 10", 200, false),
+        ("detect @human.off -o @o --voxels 400000 --eigenpairs 10", 120, false),
         ("detect @human.glb -o @o --eigenpairs 400", 150, false),
         ("track @human.glb -o @t --frames 2 --workers 1 --voxels 200000", 100, false),
         (&format!("voxelize @human.off {tall}"), 100, false),
