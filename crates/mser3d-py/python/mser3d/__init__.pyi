@@ -101,7 +101,7 @@ def detect(
     allow_outside: bool = False,
     eigenpairs: int | None = None,
     lambda_max: float | None = None,
-    tolerance: float = 1e-09,
+    tolerance: float | None = None,
     solver: Literal['auto', 'shift-invert', 'filter', 'multigrid'] = 'auto',
     cache: str | os.PathLike[str] | None = None,
     stability_rule: Literal['windowed', 'paper', 'baseline'] = 'windowed',
@@ -261,8 +261,9 @@ def detect(
         Smallest eigenpairs of the Laplacian [default: 100, or as many as a small shape has]
     lambda_max : float, default None
         All eigenpairs with lambda V^(2/3) below this (lambda A with --surface): the same scales on any shape
-    tolerance : float, default 1e-09
-        Largest relative residual of an eigenpair
+    tolerance : float, default None
+        Largest relative residual of an eigenpair; below 1e-4 regions stay the same [default: 1e-4; 1e-9 where
+        --write asks for eigenfunctions, signatures or fields]
     solver : {'auto', 'shift-invert', 'filter', 'multigrid'}, default 'auto'
         How eigenpairs are found
         * 'auto': By size and kind: dense, the filter for grids, shift-invert for all others
@@ -345,7 +346,7 @@ def detect_volume(
     allow_outside: bool = False,
     eigenpairs: int | None = None,
     lambda_max: float | None = None,
-    tolerance: float = 1e-09,
+    tolerance: float | None = None,
     solver: Literal['auto', 'shift-invert', 'filter', 'multigrid'] = 'auto',
     cache: str | os.PathLike[str] | None = None,
     stability_rule: Literal['windowed', 'paper', 'baseline'] = 'windowed',
@@ -493,8 +494,9 @@ def detect_volume(
         Smallest eigenpairs of the Laplacian [default: 100, or as many as a small shape has]
     lambda_max : float, default None
         All eigenpairs with lambda V^(2/3) below this (lambda A with --surface): the same scales on any shape
-    tolerance : float, default 1e-09
-        Largest relative residual of an eigenpair
+    tolerance : float, default None
+        Largest relative residual of an eigenpair; below 1e-4 regions stay the same [default: 1e-4; 1e-9 where
+        --write asks for eigenfunctions, signatures or fields]
     solver : {'auto', 'shift-invert', 'filter', 'multigrid'}, default 'auto'
         How eigenpairs are found
         * 'auto': By size and kind: dense, the filter for grids, shift-invert for all others
@@ -731,7 +733,7 @@ def parts(
     allow_outside: bool = False,
     eigenpairs: int | None = None,
     lambda_max: float | None = None,
-    tolerance: float = 1e-09,
+    tolerance: float | None = None,
     solver: Literal['auto', 'shift-invert', 'filter', 'multigrid'] = 'auto',
     cache: str | os.PathLike[str] | None = None,
     stability_rule: Literal['windowed', 'paper', 'baseline'] = 'windowed',
@@ -877,8 +879,9 @@ def parts(
         Smallest eigenpairs of the Laplacian [default: 100, or as many as a small shape has]
     lambda_max : float, default None
         All eigenpairs with lambda V^(2/3) below this (lambda A with --surface): the same scales on any shape
-    tolerance : float, default 1e-09
-        Largest relative residual of an eigenpair
+    tolerance : float, default None
+        Largest relative residual of an eigenpair; below 1e-4 regions stay the same [default: 1e-4; 1e-9 where
+        --write asks for eigenfunctions, signatures or fields]
     solver : {'auto', 'shift-invert', 'filter', 'multigrid'}, default 'auto'
         How eigenpairs are found
         * 'auto': By size and kind: dense, the filter for grids, shift-invert for all others
@@ -999,7 +1002,7 @@ def track(
     allow_outside: bool = False,
     eigenpairs: int | None = None,
     lambda_max: float | None = None,
-    tolerance: float = 1e-09,
+    tolerance: float | None = None,
     solver: Literal['auto', 'shift-invert', 'filter', 'multigrid'] = 'auto',
     cache: str | os.PathLike[str] | None = None,
     stability_rule: Literal['windowed', 'paper', 'baseline'] = 'windowed',
@@ -1141,8 +1144,9 @@ def track(
         Smallest eigenpairs of the Laplacian [default: 100, or as many as a small shape has]
     lambda_max : float, default None
         All eigenpairs with lambda V^(2/3) below this (lambda A with --surface): the same scales on any shape
-    tolerance : float, default 1e-09
-        Largest relative residual of an eigenpair
+    tolerance : float, default None
+        Largest relative residual of an eigenpair; below 1e-4 regions stay the same [default: 1e-4; 1e-9 where
+        --write asks for eigenfunctions, signatures or fields]
     solver : {'auto', 'shift-invert', 'filter', 'multigrid'}, default 'auto'
         How eigenpairs are found
         * 'auto': By size and kind: dense, the filter for grids, shift-invert for all others
