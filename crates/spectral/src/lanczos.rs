@@ -41,7 +41,7 @@ pub(crate) struct Lanczos<'a> {
     pub max_restarts: usize,
     /// Directions that take no part.
     pub null_space: &'a NullSpace,
-    /// Of the random vectors that it starts from. What it missed once it misses again, unless it starts from others.
+    /// Of the random vectors that it starts from: what one search missed, another from the same vectors misses too.
     pub seed: u64,
 }
 

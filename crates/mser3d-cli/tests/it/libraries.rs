@@ -25,6 +25,25 @@ fn succeeds(arguments: &[&dyn AsRef<std::ffi::OsStr>]) -> String {
 }
 
 #[test]
+fn regions_take_the_librarys_tolerance_and_those_who_ask_for_eigenpairs_the_solvers() {
+    let tolerance = |options: &[&str]| {
+        let words = options.iter().chain(&["body.off"]);
+        let args: mser3d_cli::DetectArgs = mser3d_cli::parse("detect", words).unwrap();
+        args.parameters().unwrap().spectrum.tolerance
+    };
+    let (regions, eigenpairs) =
+        (Parameters::default().spectrum.tolerance, mser3d::spectral::SpectrumParameters::default().tolerance);
+    // What the help says.
+    assert_eq!((regions, eigenpairs), (1e-4, 1e-9));
+    assert_eq!(tolerance(&[]), regions);
+    assert_eq!(tolerance(&["--write=nifti,fine-surface"]), regions);
+    for what in ["eigenfunctions", "signatures", "fields"] {
+        assert_eq!(tolerance(&[&format!("--write=nifti,{what}")]), eigenpairs, "{what}");
+    }
+    assert_eq!(tolerance(&["--write=eigenfunctions", "--tolerance=1e-3"]), 1e-3);
+}
+
+#[test]
 fn a_folder_of_the_library_is_viewed_rendered_matched_exported_and_searched() {
     let folder = tempfile::tempdir().unwrap();
     let mut paths = Vec::new();
