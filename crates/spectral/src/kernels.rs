@@ -94,7 +94,8 @@ pub(crate) fn squares(coefficients: MatRef<'_, f64>, factor: f64) -> Vec<Square>
 /// `sums[j] += a^T b[j]`; `next` is what a is followed by.
 pub(crate) fn add_products<R>(a: &[Lanes], mut next: &[R], b: &[impl AsRef<[Lanes]>], sums: &mut [Square]) {
     let arch = pulp::Arch::new();
-    for (b, sums) in b.chunks(PAIR).zip(sums.chunks_mut(PAIR)) {
+    let at_once = arch.dispatch(AtOnce);
+    for (b, sums) in b.chunks(at_once).zip(sums.chunks_mut(at_once)) {
         match (b, sums) {
             ([b, c], [sum, other]) => {
                 arch.dispatch(Products { a, next, b: [b.as_ref(), c.as_ref()], sums: [sum, other] })
@@ -110,7 +111,8 @@ pub(crate) fn add_products<R>(a: &[Lanes], mut next: &[R], b: &[impl AsRef<[Lane
 /// `targets[j] += a coefficients[j]`; `next` is what a is followed by.
 fn add_combinations<R>(a: &[Lanes], mut next: &[R], coefficients: &[Square], targets: &mut [&mut [Lanes]]) {
     let arch = pulp::Arch::new();
-    for (coefficients, targets) in coefficients.chunks(PAIR).zip(targets.chunks_mut(PAIR)) {
+    let at_once = arch.dispatch(AtOnce);
+    for (coefficients, targets) in coefficients.chunks(at_once).zip(targets.chunks_mut(at_once)) {
         match (coefficients, targets) {
             ([c, d], [target, other]) => {
                 arch.dispatch(Combinations { a, next, coefficients: [c, d], targets: [target, other] })
@@ -123,9 +125,18 @@ fn add_combinations<R>(a: &[Lanes], mut next: &[R], coefficients: &[Square], tar
     }
 }
 
-/// Blocks that share what is read of another one. With AVX-512 the sums of a pair fit in the registers, and reading takes no longer than
-/// computing. Shorter registers hold those of one block; there a pair is taken one by one.
-const PAIR: usize = 2;
+/// How many blocks share what is read of another one. The sums of two fit in the registers of AVX-512, where reading then takes no
+/// longer than computing; shorter ones hold the sums of one.
+struct AtOnce;
+
+impl WithSimd for AtOnce {
+    type Output = usize;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> usize {
+        if S::F64_LANES == LANES { 2 } else { 1 }
+    }
+}
 
 struct Products<'a, R, const N: usize> {
     a: &'a [Lanes],
@@ -138,21 +149,7 @@ impl<R, const N: usize> WithSimd for Products<'_, R, N> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Self { a, next, b, sums } = self;
-        if S::F64_LANES == LANES {
-            return Products { a, next, b, sums }.add(simd);
-        }
-        for (at, (b, sum)) in b.into_iter().zip(sums).enumerate() {
-            let next = if at == 0 { next } else { &[] };
-            Products { a, next, b: [b], sums: [sum] }.add(simd);
-        }
-    }
-}
-
-impl<R, const N: usize> Products<'_, R, N> {
-    #[inline(always)]
-    fn add<S: Simd>(mut self, simd: S) {
+    fn with_simd<S: Simd>(mut self, simd: S) {
         let rows = self.b.iter().map(|b| b.len()).fold(self.a.len(), usize::min);
         let (a, b) = (&self.a[..rows], self.b.map(|b| &b[..rows]));
         for part in 0..LANES / S::F64_LANES {
@@ -192,20 +189,6 @@ impl<R, const N: usize> WithSimd for Combinations<'_, R, N> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { a, next, coefficients, targets } = self;
-        if S::F64_LANES == LANES {
-            return Combinations { a, next, coefficients, targets }.add(simd);
-        }
-        for (at, (square, target)) in coefficients.into_iter().zip(targets).enumerate() {
-            let next = if at == 0 { next } else { &[] };
-            Combinations { a, next, coefficients: [square], targets: [target] }.add(simd);
-        }
-    }
-}
-
-impl<R, const N: usize> Combinations<'_, R, N> {
-    #[inline(always)]
-    fn add<S: Simd>(self, simd: S) {
         let rows = self.targets.iter().map(|target| target.len()).fold(self.a.len(), usize::min);
         let a = &self.a[..rows];
         let mut targets = self.targets.map(|target| &mut target[..rows]);
