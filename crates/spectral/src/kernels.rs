@@ -92,127 +92,166 @@ pub(crate) fn squares(coefficients: MatRef<'_, f64>, factor: f64) -> Vec<Square>
 }
 
 /// `sums[j] += a^T b[j]`; `next` is what a is followed by.
-pub(crate) fn add_products<R>(a: &[Lanes], mut next: &[R], b: &[impl AsRef<[Lanes]>], sums: &mut [Square]) {
-    let arch = pulp::Arch::new();
-    let at_once = arch.dispatch(AtOnce);
-    for (b, sums) in b.chunks(at_once).zip(sums.chunks_mut(at_once)) {
-        match (b, sums) {
-            ([b, c], [sum, other]) => {
-                arch.dispatch(Products { a, next, b: [b.as_ref(), c.as_ref()], sums: [sum, other] })
-            }
-            (b, sums) => b.iter().zip(sums).for_each(|(b, sum)| {
-                arch.dispatch(Products { a, next, b: [b.as_ref()], sums: [sum] });
-            }),
-        }
-        next = &[];
-    }
+pub(crate) fn add_products<R>(a: &[Lanes], next: &[R], b: &[impl AsRef<[Lanes]>], sums: &mut [Square]) {
+    pulp::Arch::new().dispatch(Products { a, next, b, sums });
 }
 
 /// `targets[j] += a coefficients[j]`; `next` is what a is followed by.
-fn add_combinations<R>(a: &[Lanes], mut next: &[R], coefficients: &[Square], targets: &mut [&mut [Lanes]]) {
-    let arch = pulp::Arch::new();
-    let at_once = arch.dispatch(AtOnce);
-    for (coefficients, targets) in coefficients.chunks(at_once).zip(targets.chunks_mut(at_once)) {
-        match (coefficients, targets) {
-            ([c, d], [target, other]) => {
-                arch.dispatch(Combinations { a, next, coefficients: [c, d], targets: [target, other] })
-            }
-            (coefficients, targets) => coefficients.iter().zip(targets).for_each(|(c, target)| {
-                arch.dispatch(Combinations { a, next, coefficients: [c], targets: [target] });
-            }),
-        }
-        next = &[];
-    }
+fn add_combinations<R>(a: &[Lanes], next: &[R], coefficients: &[Square], targets: &mut [&mut [Lanes]]) {
+    pulp::Arch::new().dispatch(Combinations { a, next, coefficients, targets });
 }
 
-/// How many blocks share what is read of another one. The sums of two fit in the registers of AVX-512, where reading then takes no
-/// longer than computing; shorter ones hold the sums of one.
-struct AtOnce;
-
-impl WithSimd for AtOnce {
-    type Output = usize;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> usize {
-        if S::F64_LANES == LANES { 2 } else { 1 }
-    }
-}
-
-struct Products<'a, R, const N: usize> {
+struct Products<'a, R, B> {
     a: &'a [Lanes],
     next: &'a [R],
-    b: [&'a [Lanes]; N],
-    sums: [&'a mut Square; N],
+    b: &'a [B],
+    sums: &'a mut [Square],
 }
 
-impl<R, const N: usize> WithSimd for Products<'_, R, N> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(mut self, simd: S) {
-        let rows = self.b.iter().map(|b| b.len()).fold(self.a.len(), usize::min);
-        let (a, b) = (&self.a[..rows], self.b.map(|b| &b[..rows]));
-        for part in 0..LANES / S::F64_LANES {
-            let load = |lanes: &Lanes| S::as_simd_f64s(&lanes.0).0[part];
-            let mut sums: [[S::f64s; LANES]; N] =
-                std::array::from_fn(|j| std::array::from_fn(|i| load(&self.sums[j][i])));
-            for row in 0..rows {
-                if let Some(next) = self.next.get(row) {
-                    prefetch(next);
-                }
-                let b: [S::f64s; N] = std::array::from_fn(|j| load(&b[j][row]));
-                for i in 0..LANES {
-                    let a = simd.splat_f64s(a[row].0[i]);
-                    for j in 0..N {
-                        sums[j][i] = simd.mul_add_f64s(a, b[j], sums[j][i]);
-                    }
-                }
-            }
-            for (square, sums) in self.sums.iter_mut().zip(sums) {
-                for (lanes, sum) in square.iter_mut().zip(sums) {
-                    S::as_mut_simd_f64s(&mut lanes.0).0[part] = sum;
-                }
-            }
-        }
-    }
-}
-
-struct Combinations<'a, R, const N: usize> {
-    a: &'a [Lanes],
-    next: &'a [R],
-    coefficients: [&'a Square; N],
-    targets: [&'a mut [Lanes]; N],
-}
-
-impl<R, const N: usize> WithSimd for Combinations<'_, R, N> {
+impl<R, B: AsRef<[Lanes]>> WithSimd for Products<'_, R, B> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let rows = self.targets.iter().map(|target| target.len()).fold(self.a.len(), usize::min);
-        let a = &self.a[..rows];
-        let mut targets = self.targets.map(|target| &mut target[..rows]);
-        for part in 0..LANES / S::F64_LANES {
-            let coefficients: [[S::f64s; LANES]; N] = std::array::from_fn(|j| {
-                std::array::from_fn(|i| S::as_simd_f64s(&self.coefficients[j][i].0).0[part])
-            });
-            for row in 0..rows {
-                if let Some(next) = self.next.get(row) {
-                    prefetch(next);
+        let Self { a, mut next, b, sums } = self;
+        let at_once = blocks_at_once::<S>();
+        for (b, sums) in b.chunks(at_once).zip(sums.chunks_mut(at_once)) {
+            match (b, sums) {
+                ([b, c], [sum, other]) => {
+                    products::<S, R, 8, 2>(simd, a, next, [b.as_ref(), c.as_ref()], [sum, other]);
                 }
-                let a: [S::f64s; LANES] = std::array::from_fn(|i| simd.splat_f64s(a[row].0[i]));
-                for (target, coefficients) in targets.iter_mut().zip(&coefficients) {
-                    let target = &mut S::as_mut_simd_f64s(&mut target[row].0).0[part];
-                    // Two sums, so that one addition need not wait for the other.
-                    let mut even = simd.mul_add_f64s(a[0], coefficients[0], *target);
-                    let mut odd = simd.mul_f64s(a[1], coefficients[1]);
-                    for i in (2..LANES).step_by(2) {
-                        even = simd.mul_add_f64s(a[i], coefficients[i], even);
-                        odd = simd.mul_add_f64s(a[i + 1], coefficients[i + 1], odd);
+                ([b], [sum]) if at_once > 1 => products::<S, R, 8, 1>(simd, a, next, [b.as_ref()], [sum]),
+                ([b], [sum]) => products::<S, R, 4, 1>(simd, a, next, [b.as_ref()], [sum]),
+                _ => {}
+            }
+            next = &[];
+        }
+    }
+}
+
+struct Combinations<'a, 'b, R> {
+    a: &'a [Lanes],
+    next: &'a [R],
+    coefficients: &'a [Square],
+    targets: &'a mut [&'b mut [Lanes]],
+}
+
+impl<R> WithSimd for Combinations<'_, '_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { a, mut next, coefficients, targets } = self;
+        let at_once = blocks_at_once::<S>();
+        for (coefficients, targets) in coefficients.chunks(at_once).zip(targets.chunks_mut(at_once)) {
+            match (coefficients, targets) {
+                ([c, d], [target, other]) => {
+                    combinations::<S, R, 8, 2>(simd, a, next, [c, d], [target, other]);
+                }
+                ([c], [target]) if at_once > 1 => combinations::<S, R, 8, 1>(simd, a, next, [c], [target]),
+                ([c], [target]) => combinations::<S, R, 4, 1>(simd, a, next, [c], [target]),
+                _ => {}
+            }
+            next = &[];
+        }
+    }
+}
+
+/// How many blocks share what is read of another one. The sums of two fit in the registers of AVX-512, where reading then takes no
+/// longer than computing. Shorter registers hold the sums of half a block.
+#[inline(always)]
+fn blocks_at_once<S: Simd>() -> usize {
+    if S::F64_LANES == LANES { 2 } else { 1 }
+}
+
+/// `sums[j] += a^T b[j]`, with `COLUMNS` columns of a at a time.
+#[inline(always)]
+fn products<S: Simd, R, const COLUMNS: usize, const N: usize>(
+    simd: S,
+    a: &[Lanes],
+    mut next: &[R],
+    b: [&[Lanes]; N],
+    mut squares: [&mut Square; N],
+) {
+    let rows = b.iter().map(|b| b.len()).fold(a.len(), usize::min);
+    let (a, b) = (&a[..rows], b.map(|b| &b[..rows]));
+    for first in (0..LANES).step_by(COLUMNS) {
+        let mut sums: [[Vectors<S>; COLUMNS]; N] =
+            std::array::from_fn(|j| std::array::from_fn(|i| vectors(simd, &squares[j][first + i])));
+        for row in 0..rows {
+            if let Some(next) = next.get(row) {
+                prefetch(next);
+            }
+            let b: [Vectors<S>; N] = std::array::from_fn(|j| vectors(simd, &b[j][row]));
+            for i in 0..COLUMNS {
+                let a = simd.splat_f64s(a[row].0[first + i]);
+                for j in 0..N {
+                    for part in 0..LANES / S::F64_LANES {
+                        sums[j][i][part] = simd.mul_add_f64s(a, b[j][part], sums[j][i][part]);
                     }
-                    *target = simd.add_f64s(even, odd);
                 }
             }
         }
+        for (square, sums) in squares.iter_mut().zip(sums) {
+            for (lanes, sum) in square[first..].iter_mut().zip(sums) {
+                store::<S>(lanes, sum);
+            }
+        }
+        next = &[];
     }
+}
+
+/// `targets[j] += a coefficients[j]`, with `COLUMNS` columns of a at a time.
+#[inline(always)]
+fn combinations<S: Simd, R, const COLUMNS: usize, const N: usize>(
+    simd: S,
+    a: &[Lanes],
+    mut next: &[R],
+    coefficients: [&Square; N],
+    targets: [&mut [Lanes]; N],
+) {
+    let rows = targets.iter().map(|target| target.len()).fold(a.len(), usize::min);
+    let a = &a[..rows];
+    let mut targets = targets.map(|target| &mut target[..rows]);
+    for first in (0..LANES).step_by(COLUMNS) {
+        let coefficients: [[Vectors<S>; COLUMNS]; N] =
+            std::array::from_fn(|j| std::array::from_fn(|i| vectors(simd, &coefficients[j][first + i])));
+        for row in 0..rows {
+            if let Some(next) = next.get(row) {
+                prefetch(next);
+            }
+            let a: [S::f64s; COLUMNS] = std::array::from_fn(|i| simd.splat_f64s(a[row].0[first + i]));
+            for (target, coefficients) in targets.iter_mut().zip(&coefficients) {
+                let mut sum = vectors(simd, &target[row]);
+                for part in 0..LANES / S::F64_LANES {
+                    // Two sums, so that one addition need not wait for the other.
+                    let mut even = simd.mul_add_f64s(a[0], coefficients[0][part], sum[part]);
+                    let mut odd = simd.mul_f64s(a[1], coefficients[1][part]);
+                    for i in (2..COLUMNS).step_by(2) {
+                        even = simd.mul_add_f64s(a[i], coefficients[i][part], even);
+                        odd = simd.mul_add_f64s(a[i + 1], coefficients[i + 1][part], odd);
+                    }
+                    sum[part] = simd.add_f64s(even, odd);
+                }
+                store::<S>(&mut target[row], sum);
+            }
+        }
+        next = &[];
+    }
+}
+
+/// A row as vectors: one with AVX-512, two with AVX2, eight numbers without SIMD; the others are not used.
+type Vectors<S> = [<S as Simd>::f64s; LANES];
+
+#[inline(always)]
+fn vectors<S: Simd>(simd: S, row: &Lanes) -> Vectors<S> {
+    let vectors = S::as_simd_f64s(&row.0).0;
+    std::array::from_fn(|part| {
+        if part < LANES / S::F64_LANES { vectors[part] } else { simd.splat_f64s(0.0) }
+    })
+}
+
+#[inline(always)]
+fn store<S: Simd>(row: &mut Lanes, vectors: Vectors<S>) {
+    S::as_mut_simd_f64s(&mut row.0).0.iter_mut().zip(vectors).for_each(|(x, vector)| *x = vector);
 }
