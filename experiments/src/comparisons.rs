@@ -7,6 +7,7 @@ mod program;
 pub mod python;
 mod refine;
 pub mod resources;
+mod roofline;
 mod scale;
 mod spectrum;
 mod tree;
@@ -27,8 +28,10 @@ enum Bench {
     All(all::Arguments),
     /// Eigenpairs: our two solvers, SciPy, LaPy and Spectra
     Spectrum(spectrum::Arguments),
-    /// The whole program at two numbers of voxels, and whether the finer run finds the coarser one's regions again
+    /// The whole program on a shape in more and more voxels: its stages, and whether regions are found again
     Scale(scale::Arguments),
+    /// The stencil beside the machine's memory and arithmetic
+    Roofline(roofline::Arguments),
     /// Component trees: Higra and SciPy
     Tree(tree::Arguments),
     /// Solids: Open3D, VTK, libigl and trimesh
@@ -41,6 +44,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         Bench::All(arguments) => all::run(arguments),
         Bench::Spectrum(arguments) => spectrum::run(arguments),
         Bench::Scale(arguments) => scale::run(arguments),
+        Bench::Roofline(arguments) => roofline::run(arguments),
         Bench::Tree(arguments) => tree::run(arguments),
         Bench::Voxelize(arguments) => voxelize::run(arguments),
     }

@@ -246,9 +246,7 @@ type Vectors<S> = [<S as Simd>::f64s; LANES];
 #[inline(always)]
 fn vectors<S: Simd>(simd: S, row: &Lanes) -> Vectors<S> {
     let vectors = S::as_simd_f64s(&row.0).0;
-    std::array::from_fn(|part| {
-        if part < LANES / S::F64_LANES { vectors[part] } else { simd.splat_f64s(0.0) }
-    })
+    std::array::from_fn(|part| if part < LANES / S::F64_LANES { vectors[part] } else { simd.splat_f64s(0.0) })
 }
 
 #[inline(always)]

@@ -14,9 +14,8 @@ use report::Line;
 use super::program::{Program, body};
 use super::python::{Python, PythonArguments};
 use super::resources::{Usage, processor};
-use super::scale::Scale;
 use super::spectrum::{self, Case, Solver};
-use super::{tree, voxelize};
+use super::{scale, tree, voxelize};
 
 /// What `cargo xtask bench all` can be told.
 #[derive(clap::Args)]
@@ -248,13 +247,13 @@ impl All {
                 self.lines.push(Line::without(&case, "mser3d detect", "its mesh is not here".into()));
                 continue;
             };
-            let scale = Scale::measure(&program, &mesh, [1_000_000, 10_000_000], None)?;
-            let found = [String::new(), format!(", {}", scale.found())];
-            for (at, size) in ["1M", "10M"].into_iter().enumerate() {
-                let usage = &scale.usage[at];
-                let note =
-                    format!("{size} by {}, {:.0} MB{}", scale.solvers[at], usage.peak / 1e6, found[at]);
-                self.lines.push(Line::new(&case, "mser3d detect", Some(cores()), usage).with(note));
+            let runs = scale::Run::measure_all(&program, &mesh, &[1_000_000, 10_000_000], None)?;
+            for (run, size) in runs.iter().zip(["1M", "10M"]) {
+                let mut note = format!("{size} by {}, {:.0} MB", run.solver, run.usage.peak / 1e6);
+                if !run.overlaps.is_empty() {
+                    note += &format!(", {}", run.found());
+                }
+                self.lines.push(Line::new(&case, "mser3d detect", Some(cores()), &run.usage).with(note));
             }
         }
         Ok(())

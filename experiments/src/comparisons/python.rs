@@ -9,12 +9,31 @@ use serde_json::Value;
 /// Which Python to use.
 #[derive(clap::Args)]
 pub struct PythonArguments {
-    /// Set up the Python peers in target/peers first
+    /// Set up the peers first: Python's in target/peers, and what others are compiled with by apt-get, as root
     #[arg(long)]
     install: bool,
     /// Python to use [default: the one of --install, else python3]
     #[arg(long)]
     python: Option<PathBuf>,
+}
+
+impl PythonArguments {
+    /// Installs packages of Debian and its kin, if asked to and where that needs no question. Without them peers are missing, which
+    /// is said with what to do.
+    pub fn install_libraries(&self, names: &[&str]) {
+        let succeeds = |program: &str, arguments: &[&str]| {
+            let output = Command::new(program).args(arguments).output();
+            output.ok().filter(|output| output.status.success()).map(|output| output.stdout)
+        };
+        if !self.install || succeeds("dpkg", &[&["--status"], names].concat()).is_some() {
+            return;
+        }
+        if succeeds("id", &["-u"]).is_some_and(|user| user == b"0\n") {
+            println!("installing {}", names.join(", "));
+            let _ = succeeds("apt-get", &["update", "-q"]);
+            let _ = succeeds("apt-get", &[&["install", "-y", "-q"], names].concat());
+        }
+    }
 }
 
 /// An interpreter, and the folder where peers and what is exchanged with them lie.

@@ -90,6 +90,10 @@ impl Solver {
     }
 }
 
+/// Debian's packages that Spectra and scikit-sparse are compiled with.
+const LIBRARIES: [&str; 5] =
+    ["g++", "libspectra-dev", "libeigen3-dev", "libsuitesparse-dev", "libopenblas-dev"];
+
 impl Peers {
     /// Looks for the peers, and installs them first if asked to.
     pub fn find(arguments: &PythonArguments) -> Result<Self, Box<dyn Error>> {
@@ -102,6 +106,7 @@ impl Peers {
             // The newest needs SuiteSparse 7; the one before takes what the system has.
             &["scikit-sparse", "scikit-sparse<0.5"],
         ];
+        arguments.install_libraries(&LIBRARIES);
         let python = Python::find(arguments, packages)?;
         let mut versions = Vec::new();
         if let Some(version) = compile_spectra(&sources.join("spectra.cpp"), &python.folder.join("spectra")) {
