@@ -1,4 +1,4 @@
-//! `cargo xtask package`: the crates as crates.io would get them, built, and one of them used by a fresh project.
+//! `cargo xtask package`: the crates as crates.io would get them, compiled, and one of them used by a fresh project.
 
 use std::error::Error;
 use std::fs;
@@ -18,30 +18,35 @@ pub struct Arguments {
 /// The crate that the fresh project depends on, and runs the example of.
 const PICKED: &str = "mser3d-comptree";
 
-/// Packages all crates that are published, which builds each from its package, and checks that one alone serves.
+/// Packages all crates that are published, and checks that they compile from their packages and that one alone serves.
 pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize()?;
     let target = workspace.join("target/packaged");
+    let packages = target.join("package");
+    if packages.exists() {
+        fs::remove_dir_all(&packages)?;
+    }
     let mut package = Command::new(env!("CARGO"));
-    package.current_dir(&workspace).args(["package", "--workspace", "--locked", "--quiet", "--target-dir"]);
-    package.arg(&target).args([
-        "--exclude",
-        "xtask",
-        "--exclude",
-        "mser3d-experiments",
-        "--exclude",
-        "mser3d-tests",
-    ]);
-    // Nobody looks into these builds with a debugger.
-    package.env("CARGO_PROFILE_DEV_DEBUG", "0");
+    package.current_dir(&workspace).args(["package", "--workspace", "--locked", "--quiet", "--no-verify"]);
+    package.arg("--target-dir").arg(&target);
+    for kept in ["xtask", "mser3d-experiments", "mser3d-tests"] {
+        package.args(["--exclude", kept]);
+    }
     if arguments.allow_dirty {
         package.arg("--allow-dirty");
     }
-    forget_older_packages(&target)?;
     succeeds(&mut package)?;
     let folder = tempfile::tempdir()?;
-    let crates = unpack(&target.join("package"), folder.path())?;
-    println!("packaged and built: {}", crates.iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join(", "));
+    let all = folder.path().join("all");
+    let crates = unpack(&packages, &all)?;
+
+    write_workspace(&all, &crates, &workspace)?;
+    let mut check = Command::new(env!("CARGO"));
+    check.current_dir(&all).args(["check", "--workspace", "--quiet"]);
+    // With the workspace's profiles, what it has compiled of other people's crates serves here too.
+    succeeds(check.env("CARGO_TARGET_DIR", workspace.join("target")))?;
+    let names: Vec<_> = crates.iter().map(|c| c.name.as_str()).collect();
+    println!("packaged, and compiled from their packages: {}", names.join(", "));
 
     let project = folder.path().join("fresh");
     let picked = crates.iter().find(|c| c.name == PICKED).ok_or("the picked crate was not packaged")?;
@@ -50,35 +55,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     build.current_dir(&project).args(["run", "--quiet"]).env("CARGO_TARGET_DIR", target.join("fresh"));
     succeeds(&mut build)?;
     println!("a fresh project that depends on {PICKED} alone builds and runs the example of its README");
-    Ok(())
-}
-
-/// Removes what cargo unpacked and built of our crates when they were packaged before. It would take these in place of new
-/// ones of the same version. (What crates.io has is unpacked elsewhere.)
-fn forget_older_packages(target: &Path) -> Result<(), Box<dyn Error>> {
-    for built in fs::read_dir(target.join("debug/.fingerprint")).into_iter().flatten() {
-        let built = built?;
-        if built.file_name().to_string_lossy().starts_with("mser3d") {
-            fs::remove_dir_all(built.path())?;
-        }
-    }
-    let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
-    let home = home.or_else(|| Some(PathBuf::from(std::env::var_os("HOME")?).join(".cargo")));
-    let Ok(registries) = fs::read_dir(home.unwrap_or_default().join("registry/src")) else { return Ok(()) };
-    for registry in registries {
-        let registry = registry?;
-        // A registry in a folder has no host before the dash.
-        if !registry.file_name().to_string_lossy().starts_with('-') {
-            continue;
-        }
-        for package in fs::read_dir(registry.path())? {
-            let package = package?;
-            let name = package.file_name().to_string_lossy().into_owned();
-            if name.starts_with("mser3d") && name.ends_with(&format!("-{}", env!("CARGO_PKG_VERSION"))) {
-                fs::remove_dir_all(package.path())?;
-            }
-        }
-    }
     Ok(())
 }
 
@@ -110,6 +86,22 @@ fn unpack(packages: &Path, into: &Path) -> Result<Vec<Unpacked>, Box<dyn Error>>
     Ok(crates)
 }
 
+/// Makes a workspace of the unpacked crates, with the versions and the profiles of everything else.
+fn write_workspace(folder: &Path, crates: &[Unpacked], workspace: &Path) -> Result<(), Box<dyn Error>> {
+    let manifest = fs::read_to_string(workspace.join("Cargo.toml"))?;
+    let profiles = manifest.find("[profile.").map_or("", |at| &manifest[at..]);
+    let members = "[workspace]\nresolver = \"3\"\nmembers = [\"*\"]\n\n";
+    fs::write(folder.join("Cargo.toml"), format!("{members}{}\n{profiles}", patches(crates)))?;
+    fs::copy(workspace.join("Cargo.lock"), folder.join("Cargo.lock"))?;
+    Ok(())
+}
+
+/// What makes cargo take the unpacked crates for those of crates.io.
+fn patches(crates: &[Unpacked]) -> String {
+    let lines = crates.iter().map(|c| format!("{} = {{ path = {:?} }}\n", c.name, c.folder));
+    format!("[patch.crates-io]\n{}", lines.collect::<String>())
+}
+
 /// A project that knows the crates by version alone, as if they came from crates.io.
 fn write_project(
     project: &Path,
@@ -118,14 +110,12 @@ fn write_project(
     workspace: &Path,
 ) -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(project.join("src"))?;
-    let mut manifest = format!(
-        "[package]\nname = \"fresh\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[dependencies]\n{} = \"{}\"\n\n\
-         [patch.crates-io]\n",
-        picked.name, picked.version
+    let manifest = format!(
+        "[package]\nname = \"fresh\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[dependencies]\n{} = \"{}\"\n\n{}",
+        picked.name,
+        picked.version,
+        patches(crates)
     );
-    for c in crates {
-        manifest += &format!("{} = {{ path = {:?} }}\n", c.name, c.folder);
-    }
     fs::write(project.join("Cargo.toml"), manifest)?;
     // The versions that everything else was tested with.
     fs::copy(workspace.join("Cargo.lock"), project.join("Cargo.lock"))?;
