@@ -128,7 +128,15 @@ pub fn si_hks<'a>(
     params: &SiHksParameters,
     vertices: Option<&[u32]>,
 ) -> Result<Descriptors, DescriptorError> {
-    let basis = basis.into();
+    signatures(basis.into(), params, vertices)
+}
+
+/// [`si_hks`] of a view. Compiled here once, with its transform, and not in each crate that calls it.
+fn signatures(
+    basis: EigenbasisView<'_>,
+    params: &SiHksParameters,
+    vertices: Option<&[u32]>,
+) -> Result<Descriptors, DescriptorError> {
     params.validate()?;
     spectral_sums::check(basis)?;
     let subset = VertexSubset::new(basis.len(), vertices)?;

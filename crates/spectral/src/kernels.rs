@@ -8,7 +8,7 @@ use std::ops::Range;
 use faer::{Mat, MatRef};
 use pulp::{Simd, WithSimd};
 
-use crate::row::{Block, LANES, Lanes};
+use crate::row::{Block, LANES, Lanes, Vectors, store, vectors};
 
 /// Products of a row of one block with a row of another: entry (i, j) is row i, lane j.
 pub(crate) type Square = [Lanes; LANES];
@@ -238,18 +238,4 @@ fn combinations<S: Simd, R, const COLUMNS: usize, const N: usize>(
         }
         next = &[];
     }
-}
-
-/// A row as vectors: one with AVX-512, two with AVX2, eight numbers without SIMD; the others are not used.
-type Vectors<S> = [<S as Simd>::f64s; LANES];
-
-#[inline(always)]
-fn vectors<S: Simd>(simd: S, row: &Lanes) -> Vectors<S> {
-    let vectors = S::as_simd_f64s(&row.0).0;
-    std::array::from_fn(|part| if part < LANES / S::F64_LANES { vectors[part] } else { simd.splat_f64s(0.0) })
-}
-
-#[inline(always)]
-fn store<S: Simd>(row: &mut Lanes, vectors: Vectors<S>) {
-    S::as_mut_simd_f64s(&mut row.0).0.iter_mut().zip(vectors).for_each(|(x, vector)| *x = vector);
 }

@@ -1,5 +1,6 @@
 //! Rows of a block of eight columns, in double and single precision.
 
+use pulp::Simd;
 #[cfg(target_arch = "x86_64")]
 use pulp::bytemuck;
 
@@ -113,6 +114,21 @@ impl Row for Short {
             narrow(wide, rows);
         }
     }
+}
+
+/// A row as vectors: one with AVX-512, two with AVX2, eight numbers without SIMD; the others are not used.
+pub(crate) type Vectors<S> = [<S as Simd>::f64s; LANES];
+
+#[inline(always)]
+pub(crate) fn vectors<S: Simd>(simd: S, row: &Lanes) -> Vectors<S> {
+    let vectors = S::as_simd_f64s(&row.0).0;
+    let unused = simd.splat_f64s(0.0);
+    std::array::from_fn(|part| if part < LANES / S::F64_LANES { vectors[part] } else { unused })
+}
+
+#[inline(always)]
+pub(crate) fn store<S: Simd>(row: &mut Lanes, vectors: Vectors<S>) {
+    S::as_mut_simd_f64s(&mut row.0).0.iter_mut().zip(vectors).for_each(|(x, vector)| *x = vector);
 }
 
 /// A block of columns.

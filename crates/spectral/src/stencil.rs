@@ -7,7 +7,7 @@ use mser3d_laplace::GridStencil;
 use mser3d_shape::VoxelGrid;
 use pulp::Simd;
 
-use crate::row::{LANES, Row};
+use crate::row::{Row, Vectors, vectors};
 
 /// The grid Laplacian with its voxels reordered: slices across the solid's longest axis, in them lines along
 /// the second longest.
@@ -155,9 +155,6 @@ impl SlicedStencil {
     }
 }
 
-/// A row as vectors: one with AVX-512, two with AVX2, eight numbers without SIMD; the others are not used.
-type Vectors<S> = [<S as Simd>::f64s; LANES];
-
 /// A step as vectors.
 struct Update<S: Simd> {
     simd: S,
@@ -178,9 +175,7 @@ impl<S: Simd> Update<S> {
 
     #[inline(always)]
     fn load<R: Row>(&self, row: &R) -> Vectors<S> {
-        let row = row.wide();
-        let vectors = S::as_simd_f64s(&row.0).0;
-        std::array::from_fn(|part| if part < LANES / S::F64_LANES { vectors[part] } else { self.diagonal })
+        vectors(self.simd, &row.wide())
     }
 
     /// At a row with its neighbours along the line, and across it.
