@@ -107,7 +107,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
          hardly more than that: its wall time over voxels, vectors and steps, the least of some runs where they are short. All that it does beside the stencil \
          counts, so the stencil itself is a little faster. The limits are measured in the same run: bytes of y <- a x + b y on arrays \
          of 256 MB, operations of products with sums on numbers in registers.\n\nMachine: {}.\n\n\
-         | voxels | threads | ns a number | its bytes at the memory's limit, ns | its operations at the limit, ns | as fast as memory allows | share of the operations' limit |\n\
+         | voxels | threads | ns a number | its bytes at the memory's limit, ns | its operations at the limit, ns | times as fast as through memory | share of the operations' limit |\n\
          |---|---|---|---|---|---|---|\n",
         processor()
     );
